@@ -83,6 +83,7 @@ fn observation(pedestrians: usize) -> Observation {
         },
         pedestrians: (0..pedestrians)
             .map(|id| SeenPedestrian {
+                kind: Default::default(),
                 id,
                 position: Vector2::new(50.0, -4.0 - 0.5 * id as f64),
                 velocity: Vector2::zeros(),

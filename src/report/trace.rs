@@ -45,7 +45,7 @@ pub fn write_trace_with(
         let mut events = Vec::new();
         while let Some((_, mark)) = marks.next_if(|(of, _)| *of == index) {
             events.push(match mark {
-                TraceMark::Appears => "appears".to_string(),
+                TraceMark::Appears => appears(world, sample.who),
                 TraceMark::Jumps => "jumps".to_string(),
                 TraceMark::Touches(solid) => format!("touches {}", solid.name(world)),
             });
@@ -69,6 +69,15 @@ pub fn write_trace_with(
         writer.write_record(row)?;
     }
     writer.flush()
+}
+
+/// Who is no vehicle and not on foot appears as what they are.
+fn appears(world: &World, who: usize) -> String {
+    let person = who.checked_sub(world.vehicles.len()).and_then(|index| world.pedestrians.get(index));
+    match person.filter(|person| !person.kind.is_pedestrian()) {
+        Some(person) => format!("appears as {}", person.kind.word()),
+        None => "appears".to_string(),
+    }
 }
 
 /// How far along the road somebody is from the middle of the crossing, and how far to the left of the centre line of lane 0, m. Where the
@@ -148,5 +157,19 @@ mod tests {
         assert!(heading.abs() < 1e-9, "{heading}");
         assert!(number(2, 9).abs() < 1e-9 && (number(2, 10) - 1.0).abs() < 1e-9);
         assert!((number(2, 11) - (10.0 / 15.0 + std::f64::consts::FRAC_PI_2)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn who_rides_appears_as_what_they_are() {
+        let (mut world, mut trace) = recorded();
+        trace.marks.push((1, TraceMark::Appears));
+        let appears = |world: &World| {
+            let mut out = Vec::new();
+            write_trace_with(world, &trace, TraceColumns::Plain, &mut out).unwrap();
+            String::from_utf8(out).unwrap().lines().nth(2).unwrap().rsplit(',').next().unwrap().to_string()
+        };
+        assert_eq!(appears(&world), "appears");
+        world.pedestrians[0].kind = scenario::RoadUserKind::Cyclist;
+        assert_eq!(appears(&world), "appears as cyclist");
     }
 }

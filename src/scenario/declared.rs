@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 use super::{
     ControllerModel, Criterion, DeclaredBend, DeclaredGround, Distribution, DynamicsModel, Evaluate,
     EvaluationError, Expression, Gate, Individuals, MetricReference, Notation, Origin, PedestrianModel,
-    PerceptionModel, Rating, Reference, Road, Search, Side, Statement, Tune, Value, VariedValue,
-    VehicleReference, Written,
+    PerceptionModel, Rating, Reference, Road, RoadUserKind, Search, Side, Statement, Tune, Value,
+    VariedValue, VehicleReference, Written,
 };
 
 /// A suite: scenarios and what holds for all of them. A bare `.scn` file becomes a suite named after the file.
@@ -239,9 +239,12 @@ pub enum DeclaredVehicleStart {
 pub struct DeclaredPedestrian {
     /// As the scenario calls them.
     pub name: String,
+    /// Whether they walk or ride.
+    #[serde(default, skip_serializing_if = "RoadUserKind::is_pedestrian")]
+    pub kind: RoadUserKind,
     /// What decides how they walk, or what a variation puts there.
     pub model: Model<PedestrianModel>,
-    /// `None`: a disc of 0.25 m radius.
+    /// `None`: that of their kind.
     pub shape: Option<DeclaredShape>,
     /// The side of the road that they start from.
     pub side: Side,

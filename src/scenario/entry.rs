@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize, Serializer};
 use super::agent::{CommandKind, Controller, Dynamics, ModelError, Pedestrian, Perception, Schedule};
 use super::{
     Appearance, Chance, Declaration, DeclaredProgram, Path, Position, Reference, Registered, Road,
-    SettingError, Settings, Shape, Side, VehicleStart,
+    RoadUserKind, SettingError, Settings, Shape, Side, VehicleStart,
 };
 
 /// What the simulation needs to know of a case.
@@ -126,6 +126,9 @@ pub const CROSSES: f64 = 0.34;
 pub struct PedestrianSetup {
     /// As the scenario calls them.
     pub name: String,
+    /// Whether they walk or ride.
+    #[serde(default, skip_serializing_if = "RoadUserKind::is_pedestrian")]
+    pub kind: RoadUserKind,
     /// What decides how they walk.
     pub model: ModelSetup<PedestrianModel>,
     /// Their footprint.

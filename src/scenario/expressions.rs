@@ -41,6 +41,7 @@ macro_rules! expressions {
         pub fn pedestrian(person: &$($mut)? DeclaredPedestrian) -> Vec<(&$($mut)? Expression, &Origin)> {
             let DeclaredPedestrian {
                 name: _,
+                kind: _,
                 model: how,
                 shape,
                 side: _,

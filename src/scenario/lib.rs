@@ -49,6 +49,7 @@ mod rating;
 mod reference;
 pub mod registry;
 mod road;
+mod road_user_kind;
 mod signal;
 mod statement;
 mod symbol;
@@ -104,6 +105,7 @@ pub use program_fault::{FaultKind, ProgramFault};
 pub use rating::{PointsCriterion, Rating, Scoring, TagPoints, Weight, WeightedValues, Weights};
 pub use reference::{Reference, Registered};
 pub use road::{Bend, Body, Crossing, CrossingKind, Lane, Road};
+pub use road_user_kind::RoadUserKind;
 pub use signal::{NOBODY_AT, OBJECT, OBJECTS, SEEN, SignalEntry, input_signals, output_signals};
 pub use statement::{
     DeclaredStanding, Measured, OutcomesOf, Quantity, Statement, StatementClaim, StatementClaimKind,

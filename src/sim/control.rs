@@ -11,7 +11,7 @@ use scenario::agent::{
     Command, ControllerError, EgoState, Longitudinal, Mode, Observation, RoadView, Schedule, SeenPedestrian,
     SeenVehicle, Snapshot, VehicleState,
 };
-use scenario::{CommandKind, Ground, Located, Road, VehicleSetup, World};
+use scenario::{CommandKind, Ground, Located, Road, RoadUserKind, VehicleSetup, World};
 
 /// Absorbs the rounding of sums and products when times are compared, s.
 pub(super) const TIME_TOLERANCE: f64 = 1e-9;
@@ -21,6 +21,8 @@ const FAR_AWAY: f64 = 1e6;
 
 /// The state of one vehicle's control loop.
 pub(super) struct Control {
+    /// Of everybody who is no vehicle, in the order of the world.
+    kinds: Vec<RoadUserKind>,
     observation: Observation,
     /// What perception leaves of it, if there is any.
     view: Option<Observation>,
@@ -100,6 +102,7 @@ impl Control {
         Self {
             observation: observed(),
             view: driven.perception.is_some().then(observed),
+            kinds: world.pedestrians.iter().map(|setup| setup.kind).collect(),
             held: Held::Command(Command::Acceleration(0.0)),
             later: VecDeque::new(),
             schedule: driven.driver.schedule(),
@@ -326,7 +329,7 @@ impl Control {
     /// Fills the observation with the states of `now` as the ego sees them.
     fn see(&mut self, time: f64, me: usize, now: &Snapshot, road: &Road) {
         let ego = &now.vehicles[me];
-        let seen = &mut self.observation;
+        let (seen, kinds) = (&mut self.observation, &self.kinds);
         seen.time = time;
         seen.ego.distance_to_crossing = -ego.motion.travelled;
         seen.ego.speed = ego.motion.speed;
@@ -343,6 +346,7 @@ impl Control {
                 let seen = Seen::new(ego, state.position);
                 SeenPedestrian {
                     id,
+                    kind: kinds[id],
                     position: seen.position,
                     velocity: seen.velocity(state.velocity),
                     acceleration: seen.turned(state.acceleration),

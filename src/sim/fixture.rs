@@ -22,6 +22,7 @@ pub fn world() -> World {
             sees: None,
         }],
         pedestrians: vec![PedestrianSetup {
+            kind: Default::default(),
             name: "walker".into(),
             model: nobody(),
             shape: Shape::Disc { radius: 0.25 },

@@ -121,6 +121,7 @@ impl Sketch {
         let distance = self.distance - self.speed * elapsed;
         let place = |body: &Body| [distance + body[0] + body[2] * elapsed, body[1] + body[3] * elapsed];
         let person = |(id, body): (usize, &Body)| SeenPedestrian {
+            kind: Default::default(),
             id,
             position: place(body).into(),
             velocity: [body[2], body[3]].into(),
@@ -169,6 +170,7 @@ impl Sketch {
 mod tests {
     use super::*;
     use crate::wire::{self, DueDecision};
+    use scenario::RoadUserKind;
     use std::collections::BTreeSet;
 
     #[test]
@@ -240,5 +242,24 @@ mod tests {
         assert!(written["ego"].get("curvature").is_none());
         written["ego"].as_object_mut().unwrap().remove("travelled");
         assert_eq!(&wire::read_scene(&written).unwrap().0, plain.seen);
+    }
+
+    /// Nobody who walks says so, so that programs of before see what they saw.
+    #[test]
+    fn who_rides_says_so_and_nobody_else_does() {
+        for kind in RoadUserKind::ALL {
+            let turns = scenes("own", &json!({}), 0.1, 0.025).into_iter().flat_map(|scene| scene.turns);
+            let mut asked = turns.into_iter().find(|turn| !turn.seen.pedestrians.is_empty()).unwrap();
+            asked.seen.pedestrians[0].kind = kind;
+            let AskedDecision { seen, is_new, signal, .. } = &asked;
+            let written =
+                wire::scene(&DueDecision { slot: 3, is_new: *is_new, seen, period: 0.1, signal: *signal });
+            let said = written["pedestrians"][0].get("kind").and_then(Json::as_str);
+            assert_eq!(said, (kind != RoadUserKind::Pedestrian).then(|| kind.word()));
+            assert_eq!(wire::read_scene(&written).unwrap().0.pedestrians[0].kind, kind);
+            let mut wrong = written;
+            wrong["pedestrians"][0]["kind"] = json!("horse");
+            assert!(wire::read_scene(&wrong).is_none());
+        }
     }
 }

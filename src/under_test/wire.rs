@@ -5,7 +5,9 @@ use std::time::Duration;
 use serde_json::{Map, Value as Json, json};
 
 use super::quote::quoted;
-use scenario::{Answer, CrossingKind, ParameterKind, Settings, Shape, Value, VehicleSetup, World};
+use scenario::{
+    Answer, CrossingKind, ParameterKind, RoadUserKind, Settings, Shape, Value, VehicleSetup, World,
+};
 use scenario::{FaultKind, ProgramFault};
 use sim::{
     Command, EgoState, Mode, Observation, Order, RoadView, SeenPedestrian, SeenVehicle, SpeedPlan, toward,
@@ -187,10 +189,15 @@ pub fn scene(asked: &DueDecision) -> Json {
         .iter()
         .map(|one| {
             let (length, width) = one.shape.extents();
-            json!({
+            let mut person = json!({
                 "id": one.id, "x": one.position.x, "y": one.position.y, "vx": one.velocity.x, "vy": one.velocity.y,
                 "ax": one.acceleration.x, "ay": one.acceleration.y, "length": length, "width": width,
-            })
+            });
+            // Who says nothing of it is on foot.
+            if !one.kind.is_pedestrian() {
+                person["kind"] = json!(one.kind);
+            }
+            person
         })
         .collect();
     let cars: Vec<Json> = vehicles
@@ -224,6 +231,10 @@ pub fn read_scene(scene: &Json) -> Option<(Observation, bool, Option<bool>)> {
     let person = |one: &Json| {
         Some(SeenPedestrian {
             id: id(one)?,
+            kind: match one.get("kind") {
+                Some(kind) => serde_json::from_value(kind.clone()).ok()?,
+                None => RoadUserKind::Pedestrian,
+            },
             position: pair(one, "x", "y")?,
             velocity: pair(one, "vx", "vy")?,
             acceleration: pair(one, "ax", "ay")?,

@@ -213,14 +213,20 @@ fn euro_ncap_cells_hit_where_they_say() {
         assert!((found - wanted).abs() <= 0.001, "{}: {found} and not {wanted}", trial["key"]);
         let (pace, speed) =
             (number(&trial["variation"]["pace"]), number(&metrics["impact_speed(component=along)"]));
-        // Along a car that turns the dummy of CPTA walks with it or against it; that of CPLA walks before it.
+        // Along a car that turns the dummy of CPTA walks with it or against it; those of CPLA and CBLA are before it.
         let is = |name: &str| trial["key"].as_str().unwrap().contains(name);
-        let away = if is("/cpla") { 5.0 / 3.6 } else { 0.0 };
+        let away = match () {
+            () if is("/cpla") => 5.0 / 3.6,
+            () if is("/cbla") && is("_fast") => 20.0 / 3.6,
+            () if is("/cbla") => 15.0 / 3.6,
+            () => 0.0,
+        };
         let closing = pace - away;
         assert!(is("/cpta") || (closing - speed).abs() < 1e-9, "{}: {speed} and not {closing}", trial["key"]);
         places.push(wanted);
     }
-    // 5 + 5 + 3 places at six speeds, five in each of four turns in two directions, and four along the lane at eight speeds.
-    assert_eq!(places.len(), 78 + 40 + 32);
+    // 5 + 5 + 3 places at six speeds, five in each of four turns in two directions, and four along the lane at eight speeds; then
+    // cyclists: three times five at six speeds, and four along the lane at seven.
+    assert_eq!(places.len(), 78 + 40 + 32 + 90 + 28);
     assert_eq!(results["suites"][0]["ratings"][0]["points"], 0.0);
 }

@@ -117,6 +117,7 @@ fn world(settings: &Settings, time_to_arrival: f64) -> World {
 fn at_side(side: Side) -> PedestrianSetup {
     let sign = side.walking_sign();
     PedestrianSetup {
+        kind: Default::default(),
         name: "walker".to_string(),
         model: nobody(),
         shape: Shape::Disc { radius: 0.25 },

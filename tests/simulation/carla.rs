@@ -41,6 +41,7 @@ fn encounter(tta: f64, car: &str, agent: &[(&str, Value)], walker: &[(&str, Valu
             sees: None,
         }],
         pedestrians: vec![PedestrianSetup {
+            kind: Default::default(),
             name: "walker".into(),
             model: ModelSetup::resolved(&model, &settings(walker)).unwrap(),
             shape: Shape::Rectangle { length: 0.375, width: 0.375 },

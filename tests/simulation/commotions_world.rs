@@ -41,6 +41,7 @@ fn zebra(controller: &str, tta: f64, person: Settings) -> World {
             sees: None,
         }],
         pedestrians: vec![PedestrianSetup {
+            kind: Default::default(),
             name: "walker".into(),
             model: ModelSetup::resolved(&walker, &person).unwrap(),
             shape: Shape::Rectangle { length: 0.8, width: 0.8 },

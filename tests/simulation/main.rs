@@ -6,6 +6,7 @@ mod bends;
 mod carla;
 mod commotions_world;
 mod course;
+mod cyclists;
 mod executors;
 mod ground;
 mod jaywalker;

@@ -125,6 +125,7 @@ fn encounter(controller: &Arc<ControllerModel>, dynamics: &Arc<DynamicsModel>, d
             sees: None,
         }],
         pedestrians: vec![PedestrianSetup {
+            kind: Default::default(),
             name: "walker".into(),
             model: ModelSetup::resolved(&walker, &script).unwrap(),
             shape: Shape::Disc { radius: 0.25 },

@@ -63,6 +63,7 @@ pub fn model(name: &str, settings: &Settings) -> ModelSetup<PedestrianModel> {
 /// A pedestrian at x = 0 who walks from one y to another.
 pub fn walker(name: &str, model: ModelSetup<PedestrianModel>, from: f64, to: f64) -> PedestrianSetup {
     PedestrianSetup {
+        kind: Default::default(),
         name: name.into(),
         model,
         shape: Shape::Rectangle { length: 0.8, width: 0.8 },

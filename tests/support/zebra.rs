@@ -123,6 +123,7 @@ impl Zebra {
                 sees: None,
             }],
             pedestrians: vec![PedestrianSetup {
+                kind: Default::default(),
                 name: "walker".into(),
                 model: none(self.model),
                 shape: Shape::Disc { radius: 0.3 },

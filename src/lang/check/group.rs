@@ -9,7 +9,7 @@ use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
 use crate::syntax::ast;
 use crate::value::{Member, NameScope};
-use scenario::Membership;
+use scenario::{Membership, RoadUserKind};
 
 const MOST: u32 = 100;
 
@@ -20,17 +20,41 @@ pub fn described(
     layers: &[Layer<ast::Pedestrian>],
     report: &mut Vec<Diagnostic>,
 ) -> Vec<Described> {
+    let kinds = || layers.iter().map(|layer| (kind(layer.block), layer.block.name().span()));
+    let (kind, first) = kinds().next().unwrap_or((RoadUserKind::Pedestrian, name.span()));
+    if let Some((other, span)) = kinds().find(|(other, _)| *other != kind) {
+        let message = format!("`{}` is {} here and {} elsewhere", name.text(), other.noun(), kind.noun());
+        report.push(
+            Diagnostic::new(Code::WrongWay, span, message)
+                .label("does not go together")
+                .context(first, "said there")
+                .hint(format!(
+                    "say `{} {}` in both, or give one of them another name",
+                    kind.word(),
+                    name.text()
+                )),
+        );
+    }
     let Some(Said { node: size, .. }) = last(layers, ast::Pedestrian::group) else {
-        return vec![Described { name: name.text().to_string(), span: name.span(), group: None }];
+        return vec![Described { name: name.text().to_string(), kind, span: name.span(), group: None }];
     };
     let Some(size) = literal::count(size.number(), 1, MOST, "the number of people in a group", report) else {
         return Vec::new();
     };
     let member = |index| {
         let membership = Membership { group: name.text().to_string(), index, size };
-        Described { name: membership.member_name(), span: name.span(), group: Some(membership) }
+        Described { name: membership.member_name(), kind, span: name.span(), group: Some(membership) }
     };
     (0..size).map(member).collect()
+}
+
+/// Whether a block is about somebody who walks or who rides.
+fn kind(node: ast::Pedestrian) -> RoadUserKind {
+    match (node.is_cyclist(), node.is_escooter()) {
+        (true, _) => RoadUserKind::Cyclist,
+        (_, true) => RoadUserKind::Escooter,
+        _ => RoadUserKind::Pedestrian,
+    }
 }
 
 /// The names that values of a member's block may use: those of each layer, and `each(…)`.

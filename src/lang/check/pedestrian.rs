@@ -19,14 +19,16 @@ use crate::value::{self, Typed};
 use crate::write::{BlockText, constant, is_name, model_text, number_of, quantity, quoted};
 use scenario::{
     BinaryOperator, DeclaredAppearance, DeclaredPedestrian, DeclaredShape, Dimension, Expression,
-    Individuals, Membership, PedestrianModel, PopulationShare, Road, Side, Value, VehicleReference,
-    WalksAlong, limits, show,
+    Individuals, Membership, PedestrianModel, PopulationShare, Road, RoadUserKind, Side, Value,
+    VehicleReference, WalksAlong, limits, show,
 };
 
 /// Whom a block describes.
 #[derive(Debug)]
 pub struct Described {
     pub name: String,
+    /// Whether they walk or ride.
+    pub kind: RoadUserKind,
     /// Where they are named.
     pub span: Span,
     pub group: Option<Membership>,
@@ -51,8 +53,11 @@ pub fn pedestrian(
         exclude(several, one, report);
         exclude(block.appears().map(|said| *said), block.meets().map(|said| *said), report);
     }
-    let what =
-        format!("pedestrian `{}`", who.group.as_ref().map_or(&who.name, |membership| &membership.group));
+    let what = format!(
+        "{} `{}`",
+        who.kind.word(),
+        who.group.as_ref().map_or(&who.name, |membership| &membership.group)
+    );
     let model = match last(layers, |block| block.model().map(ast::Named::Model)) {
         Some(said) => named(said, &models(places), places, report),
         None => {
@@ -128,7 +133,7 @@ pub fn pedestrian(
             written.statement(&who.name, "reference", Some(&typed), places);
             reference
         }),
-        None => Some(Expression::number(0.0)),
+        None => Some(Expression::number(unsaid_reference(who.kind, shape.is_some()))),
     };
     written.settings(&who.name, "model", model.as_ref().map_or(&[], |named| &named.given), places);
     if let (Some(road), Some(start), Some(goal), None) = (road, &start, &goal, way.walks) {
@@ -139,6 +144,7 @@ pub fn pedestrian(
     }
     Some(DeclaredPedestrian {
         name: who.name.clone(),
+        kind: who.kind,
         model: model?.model,
         shape: match shape {
             Some(shape) => Some(shape?),
@@ -168,6 +174,11 @@ pub fn pedestrian(
         group: who.group.clone(),
         origin: places.origin(who.span),
     })
+}
+
+/// The reference point of whom nothing is said: what is known of the body of a kind is known of no other.
+fn unsaid_reference(kind: RoadUserKind, has_shape: bool) -> f64 {
+    if has_shape { 0.0 } else { kind.reference() }
 }
 
 /// The way from start to goal must lead across the road, as far as both are known already.
@@ -467,7 +478,7 @@ pub fn unknown_vehicle(name: ast::Name, vehicles: &[&str]) -> Diagnostic {
 /// The block that says it, whose values are all constants.
 pub fn write_pedestrian(person: &DeclaredPedestrian, out: &mut BlockText) {
     let length = |expression| constant(expression, Dimension::LENGTH);
-    out.open(&format!("pedestrian {}", person.name));
+    out.open(&format!("{} {}", person.kind.word(), person.name));
     out.line(&format!("model {}", model_text(&person.model)));
     if let Some(Individuals { selection, population, .. }) = &person.individuals {
         let population = if is_name(population) { population.clone() } else { quoted(population) };
@@ -526,7 +537,7 @@ pub fn write_pedestrian(person: &DeclaredPedestrian, out: &mut BlockText) {
         }
     }
     match number_of(&person.reference) {
-        0.0 => {}
+        unsaid if unsaid == unsaid_reference(person.kind, person.shape.is_some()) => {}
         ahead if ahead < 0.0 => {
             let behind = length(&Expression::number(-ahead));
             out.line(&format!("reference {behind} behind centre"));

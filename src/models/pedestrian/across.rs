@@ -1,13 +1,29 @@
-//! Models that only know how to cross a road.
+//! Models that only know people on foot, or only how to cross a road.
 
 use scenario::PedestrianContext;
 use sim::ModelError;
 
-/// Whether the pedestrian's way leads across the road, as the model of this name needs it.
+/// Whether the pedestrian is on foot, as the model of this name needs it.
 ///
 /// # Errors
-/// If it leads along a lane.
+/// If they ride.
+pub fn check_on_foot(context: &PedestrianContext, model: &str) -> Result<(), ModelError> {
+    let kind = context.setup.kind;
+    if kind.is_pedestrian() {
+        return Ok(());
+    }
+    Err(ModelError::with_hint(
+        format!("`{model}` is about people on foot, and this is {}", kind.noun()),
+        "take `scripted` or `timeline`, or let it be a `pedestrian`",
+    ))
+}
+
+/// Whether the pedestrian is on foot and its way leads across the road, as the model of this name needs it.
+///
+/// # Errors
+/// If they ride, and if their way leads along a lane.
 pub fn check_across(context: &PedestrianContext, model: &str) -> Result<(), ModelError> {
+    check_on_foot(context, model)?;
     if context.setup.crosses(&context.world.road) {
         return Ok(());
     }

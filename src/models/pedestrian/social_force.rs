@@ -7,6 +7,7 @@ use nalgebra::Vector2;
 
 use super::sum::sum_in_any_order;
 use super::{PedestrianContext, PedestrianModel};
+use crate::pedestrian::across::check_on_foot;
 use numbers::random::Stream;
 use scenario::{Chance, Declaration, Dimension, Parameter};
 use sim::random::{Agent, Purpose, stream};
@@ -178,6 +179,7 @@ struct Repulsion {
 }
 
 fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError> {
+    check_on_foot(context, "social_force")?;
     let settings = context.settings;
     let me = Agent::Pedestrian(context.rank);
     let drawn = stream(context.seed, me, Purpose::Trait).normal();

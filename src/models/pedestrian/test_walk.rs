@@ -137,6 +137,7 @@ fn world() -> World {
         road: Road::zebra(&[Direction::Forward, Direction::Backward], 30.0 / 3.6),
         vehicles: Vec::new(),
         pedestrians: vec![PedestrianSetup {
+            kind: Default::default(),
             name: "walker".into(),
             model: nobody(),
             shape: Shape::Rectangle { length: 0.375, width: 0.375 },

@@ -30,6 +30,16 @@ pub fn commotions() -> ControllerModel {
 
 fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError> {
     let aslant = |person: &PedestrianSetup| (person.goal.x - person.start.x).abs() > 0.0;
+    if let Some(rides) = context.world.pedestrians.iter().find(|person| !person.kind.is_pedestrian()) {
+        return Err(ModelError::with_hint(
+            format!(
+                "`commotions` as a driver knows only people on foot, and `{}` is {}",
+                rides.name,
+                rides.kind.noun()
+            ),
+            "take `careful_human`, or another controller",
+        ));
+    }
     if context.world.road.bend.is_some() || context.world.pedestrians.iter().any(aslant) {
         return Err(ModelError::with_hint(
             "`commotions` as a driver knows only people who cross a straight road at a right angle",

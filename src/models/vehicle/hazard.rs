@@ -93,6 +93,7 @@ mod tests {
 
     fn walker(x: f64, y: f64, vy: f64) -> SeenPedestrian {
         SeenPedestrian {
+            kind: Default::default(),
             id: 0,
             position: Vector2::new(x, y),
             velocity: Vector2::new(0.0, vy),

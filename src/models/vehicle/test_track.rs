@@ -127,6 +127,7 @@ impl Track {
         seen.pedestrians.clear();
         seen.pedestrians.extend(self.scripts.iter().enumerate().filter_map(|(id, script)| {
             script(self.time).map(|(position, velocity)| SeenPedestrian {
+                kind: Default::default(),
                 id,
                 position: position - origin,
                 velocity,
@@ -191,6 +192,7 @@ pub fn world(length: f64, width: f64) -> World {
 /// Somebody who walks across from the near side.
 pub fn walker() -> PedestrianSetup {
     PedestrianSetup {
+        kind: Default::default(),
         name: "walker".into(),
         model: nobody(),
         shape: ADULT,

@@ -25,7 +25,9 @@ pub(crate) fn facts(world: &World, outlook: &Outlook) -> Vec<String> {
         let pace = person.speed.map_or("at a speed that nobody knows before".to_string(), |speed| {
             format!("{speed:.2} m/s without traffic")
         });
-        lines.push(format!("{}: {appears}, {pace}", setup.name));
+        let kind =
+            if setup.kind.is_pedestrian() { String::new() } else { format!("{}, ", setup.kind.word()) };
+        lines.push(format!("{}: {kind}{appears}, {pace}", setup.name));
     }
     lines.push("If all keep their speed:".to_string());
     if outlook.meetings.is_empty() {

@@ -7,7 +7,7 @@ use super::picture::{Label, Picture, Sketch, tag};
 use super::plane::{Frame, Mark};
 use super::road::road_marks;
 use crate::svg::{At, Svg, through};
-use scenario::{Shape, World};
+use scenario::{RoadUserKind, Shape, World};
 use sim::geometry::Footprint;
 
 /// Pixels from edge to edge.
@@ -108,7 +108,13 @@ fn draw(svg: &mut Svg, sketch: &Sketch, world: &World, picture: &Picture, (top, 
     }
     for (who, body) in picture.bodies.iter().enumerate() {
         let Some(body) = body else { continue };
-        let class = if who < world.vehicles.len() { "vehicle" } else { "pedestrian" };
+        let person = who.checked_sub(world.vehicles.len()).and_then(|index| world.pedestrians.get(index));
+        let class = match person.map(|person| person.kind) {
+            None => "vehicle",
+            Some(RoadUserKind::Pedestrian) => "pedestrian",
+            Some(RoadUserKind::Cyclist) => "pedestrian cyclist",
+            Some(RoadUserKind::Escooter) => "pedestrian escooter",
+        };
         if body.trail.len() > 1 {
             let d = through(body.trail.iter().map(|point| at(*point)));
             svg.empty("path", &[("class", &format!("trail {class}")), ("d", &d)]);

@@ -68,7 +68,7 @@ fn run(reports: &[SuiteReport], recording: &Recording, reason: &str) -> Value {
                 .map(|place| place.as_ref().map_or(Value::Null, |place| rounded(pick(place))))
                 .collect()
         };
-        json!({
+        let mut user = json!({
             "name": recording.name(who),
             "kind": if who < case.world.vehicles.len() { "vehicle" } else { "pedestrian" },
             "length": length,
@@ -78,7 +78,12 @@ fn run(reports: &[SuiteReport], recording: &Recording, reason: &str) -> Value {
             "y": numbers(|place| place.y),
             "v": numbers(|place| place.speed),
             "h": numbers(|place| place.heading),
-        })
+        });
+        let person = who.checked_sub(case.world.vehicles.len()).map(|index| &case.world.pedestrians[index]);
+        if let Some(person) = person.filter(|person| !person.kind.is_pedestrian()) {
+            user["rides"] = person.kind.word().into();
+        }
+        user
     });
     let events =
         recording.events.iter().map(|event| json!([rounded(event.time), event.who, describe(&event.what)]));

@@ -122,7 +122,7 @@
           if (known <= time && user.x[index] !== null) path += `${path ? "L" : "M"}${user.x[index]} ${flip(user.y[index])}`;
         });
         trail.setAttribute("d", path ? `${path}L${place.x} ${flip(place.y)}` : "");
-        const speed = `${user.name} ${place.v.toFixed(1)} m/s`;
+        const speed = `${user.name}${user.rides ? ` (${user.rides})` : ""} ${place.v.toFixed(1)} m/s`;
         const reach = road.view ? Math.max(user.length, user.width) : user.width;
         const [above, below] = [flip(place.y) - reach / 2 - 0.38 * size, flip(place.y) + reach / 2 + 1.05 * size];
         const fits = user.kind === "vehicle" ? above > low + size : below > high - 0.2 * size;

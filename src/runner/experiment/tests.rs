@@ -72,6 +72,7 @@ fn scenario() -> Scenario {
         }],
         pedestrians: vec![DeclaredPedestrian {
             name: "walker".into(),
+            kind: Default::default(),
             model: model(standard().pedestrians(), "commotions", &[]),
             shape: None,
             side: Side::Near,

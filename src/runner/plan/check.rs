@@ -45,8 +45,14 @@ pub fn check_numbers(scenario: &Scenario, world: &World) -> Result<(), PlanError
 ///
 /// # Errors
 /// If it is not, where the scenario says it.
-pub fn check_share(scenario: &Scenario, name: &str, share: f64, own: &Origin) -> Result<(), PlanError> {
-    let what = format!("the share of the vehicle's width at which pedestrian `{name}` meets it");
+pub fn check_share(
+    scenario: &Scenario,
+    declared: &DeclaredPedestrian,
+    share: f64,
+    own: &Origin,
+) -> Result<(), PlanError> {
+    let (name, kind) = (&declared.name, declared.kind.word());
+    let what = format!("the share of the vehicle's width at which {kind} `{name}` meets it");
     Checker { scenario }.within(&format!("{name}.meets"), &what, share, limits::MEETS, own)
 }
 
@@ -77,8 +83,9 @@ pub fn check_places(
     turned: f64,
 ) -> Result<(), PlanError> {
     let (checker, name, own) = (Checker { scenario }, &declared.name, &declared.origin);
+    let kind = declared.kind.word();
     let within = |key: &str, what: &str, found: f64, limit: Limit| {
-        let what = format!("the {what} of pedestrian `{name}`");
+        let what = format!("the {what} of {kind} `{name}`");
         checker.within(&format!("{name}.{key}"), &what, found, limit, own)
     };
     within("start", "start", start, checker.start_limit(name))?;
@@ -89,10 +96,10 @@ pub fn check_places(
 
 /// Of somebody who would not cross the road.
 pub(super) fn starts_beyond(scenario: &Scenario, declared: &DeclaredPedestrian) -> PlanError {
-    let name = &declared.name;
+    let (name, kind) = (&declared.name, declared.kind.word());
     let said = scenario.written.get(&format!("{name}.start"));
     let origin = said.map_or(&declared.origin, |said| &said.origin);
-    PlanError::new(origin, format!("pedestrian `{name}` starts beyond its goal"))
+    PlanError::new(origin, format!("{kind} `{name}` starts beyond its goal"))
         .with_hint("a positive distance from the kerb is away from the road")
 }
 
@@ -207,10 +214,11 @@ impl Checker<'_> {
     fn pedestrian(&self, index: usize, setup: &PedestrianSetup, world: &World) -> Result<(), PlanError> {
         let declared = &self.scenario.pedestrians[index];
         let (name, own, road) = (&setup.name, &declared.origin, &world.road);
+        let kind = setup.kind.word();
         let within = |key: &str, what: String, found: f64, limit: Limit| {
             self.within(&format!("{name}.{key}"), &what, found, limit, own)
         };
-        let of = |what: &str| format!("the {what} of pedestrian `{name}`");
+        let of = |what: &str| format!("the {what} of {kind} `{name}`");
         match setup.shape {
             Shape::Disc { radius } => within("radius", of("radius"), radius, limits::RADIUS)?,
             Shape::Rectangle { length, width } => {
@@ -228,24 +236,16 @@ impl Checker<'_> {
         }
         match setup.appears {
             Appearance::At(time) => {
-                let what = format!("the time at which pedestrian `{name}` appears");
+                let what = format!("the time at which {kind} `{name}` appears");
                 within("appears", what, time, limits::APPEARS_AT)?;
             }
             Appearance::TimeToArrival { time, .. } => {
-                let what = format!("the time to arrival at which pedestrian `{name}` appears");
+                let what = format!("the time to arrival at which {kind} `{name}` appears");
                 within("appears", what, time, limits::APPEARS_WHEN)?;
             }
             Appearance::Meeting { time, place, .. } => {
-                self.finite(
-                    &format!("the time that pedestrian `{name}` needs to meet its vehicle"),
-                    time,
-                    own,
-                )?;
-                self.finite(
-                    &format!("the place at which pedestrian `{name}` meets its vehicle"),
-                    place,
-                    own,
-                )?;
+                self.finite(&format!("the time that {kind} `{name}` needs to meet its vehicle"), time, own)?;
+                self.finite(&format!("the place at which {kind} `{name}` meets its vehicle"), place, own)?;
             }
         }
         let what = of("reference point");
@@ -260,9 +260,9 @@ impl Checker<'_> {
         road: &Road,
         declared: &DeclaredPedestrian,
     ) -> Result<(), PlanError> {
-        let (name, own) = (&setup.name, &declared.origin);
+        let (name, own, kind) = (&setup.name, &declared.origin, setup.kind.word());
         let within = |key: &str, what: &str, found: f64, limit: Limit| {
-            let what = format!("the {what} of pedestrian `{name}`");
+            let what = format!("the {what} of {kind} `{name}`");
             self.within(&format!("{name}.{key}"), &what, found, limit, own)
         };
         let sign = setup.side.walking_sign();

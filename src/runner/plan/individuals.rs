@@ -235,6 +235,7 @@ mod tests {
             variant.map(|word| ("variant".to_string(), Expression::Constant(Value::Word(word.to_string()))));
         DeclaredPedestrian {
             name: name.to_string(),
+            kind: Default::default(),
             model: Model {
                 first: standard().pedestrians().get(model).unwrap().into(),
                 varied_by: None,

@@ -34,7 +34,7 @@ pub(super) fn meet(scenario: &Scenario, variables: &Variables, world: &mut World
         let car =
             car.ok_or_else(|| PlanError::new(&said, format!("there is no vehicle called `{vehicle}`")))?;
         let share = number(share, variables, &said)?;
-        check_share(scenario, &declared.name, share, &said)?;
+        check_share(scenario, declared, share, &said)?;
         let Some(after) = after else {
             world.pedestrians[index].appears = meeting(scenario, world, index, car, share, &said)?;
             continue;
@@ -64,8 +64,8 @@ fn check_way_walked(
     after: f64,
     said: &Origin,
 ) -> Result<(), PlanError> {
-    let name = &declared.name;
-    let what = format!("the way after which pedestrian `{name}` is met");
+    let (name, kind) = (&declared.name, declared.kind.word());
+    let what = format!("the way after which {kind} `{name}` is met");
     check_number(scenario, &format!("{name}.after"), &what, after, limits::FURTHER, said)
 }
 
@@ -79,19 +79,19 @@ fn meeting_along(
     said: &Origin,
 ) -> Result<Appearance, PlanError> {
     let (setup, car) = (&world.pedestrians[person], &world.vehicles[vehicle]);
-    let (name, other) = (&setup.name, &car.name);
+    let (name, kind, other) = (&setup.name, setup.kind.word(), &car.name);
     if car.speed <= 0.0 {
         return Err(stands(other, said));
     }
     let further = (setup.goal.x - setup.start.x).abs();
     if after > further {
         let message =
-            format!("pedestrian `{name}` is to meet `{other}` {} beyond its goal", metres(after - further));
+            format!("{kind} `{name}` is to meet `{other}` {} beyond its goal", metres(after - further));
         let hint = format!("let its goal be at least {} further", metres(after));
         return Err(PlanError::new(said, message).with_hint(hint));
     }
     let Some(time) = alone(world, setup, after, &scenario.pedestrians[person].model.origin)? else {
-        return Err(never_walks(name, other, after, said));
+        return Err(never_walks(setup, other, after, said));
     };
     let path = car.path(&world.road);
     let ahead = path.heading(0.0).x * (setup.goal.x - setup.start.x).signum();
@@ -105,7 +105,7 @@ fn meeting_along(
     let last = earlier.map_or(0.0, |earlier| ahead * short / (time - earlier));
     let fastest = last.max(walked / time);
     if car.speed <= fastest {
-        let message = format!("vehicle `{other}` is too slow to catch up with pedestrian `{name}`");
+        let message = format!("vehicle `{other}` is too slow to catch up with {kind} `{name}`");
         let shown = show(fastest, None, Dimension::SPEED);
         let hint = format!("let it be faster than {shown}, as fast as `{name}` is");
         return Err(PlanError::new(said, message).with_hint(hint));
@@ -122,9 +122,9 @@ fn stands(other: &str, said: &Origin) -> PlanError {
     PlanError::new(said, message).with_hint("give it a speed")
 }
 
-fn never_walks(name: &str, other: &str, way: f64, said: &Origin) -> PlanError {
-    let message =
-        format!("pedestrian `{name}` never walks the {} to where it is to meet `{other}`", metres(way));
+fn never_walks(setup: &PedestrianSetup, other: &str, way: f64, said: &Origin) -> PlanError {
+    let (name, kind) = (&setup.name, setup.kind.word());
+    let message = format!("{kind} `{name}` never walks the {} to where it is to meet `{other}`", metres(way));
     PlanError::new(said, message).with_hint("its speed, its goal and where it stops decide how far it comes")
 }
 
@@ -136,7 +136,8 @@ fn in_time(
     (time, place): (f64, f64),
     said: &Origin,
 ) -> Result<Appearance, PlanError> {
-    let (name, car) = (&world.pedestrians[person].name, &world.vehicles[vehicle]);
+    let (setup, car) = (&world.pedestrians[person], &world.vehicles[vehicle]);
+    let (name, kind) = (&setup.name, setup.kind.word());
     let (other, path) = (&car.name, car.path(&world.road));
     let latest = place - time * car.speed - car.length / 2.0;
     let starts = match car.start {
@@ -148,8 +149,7 @@ fn in_time(
         }
     };
     if starts > latest + ROUNDING {
-        let message =
-            format!("pedestrian `{name}` would have to appear before the run begins to meet `{other}`");
+        let message = format!("{kind} `{name}` would have to appear before the run begins to meet `{other}`");
         let hint = format!("`{other}` has to start {} before the crossing, or nowhere said", metres(-latest));
         return Err(PlanError::new(said, message).with_hint(hint));
     }
@@ -165,7 +165,7 @@ fn meeting(
     said: &Origin,
 ) -> Result<Appearance, PlanError> {
     let (setup, car) = (&world.pedestrians[person], &world.vehicles[vehicle]);
-    let (name, other) = (&setup.name, &car.name);
+    let (name, kind, other) = (&setup.name, setup.kind.word(), &car.name);
     let refused = |message: String, hint: String| Err(PlanError::new(said, message).with_hint(hint));
     if car.speed <= 0.0 {
         return Err(stands(other, said));
@@ -180,8 +180,7 @@ fn meeting(
         let motion = Longitudinal { travelled: 0.0, speed: car.speed, acceleration: 0.0 };
         let state = VehicleState { motion, path: path.clone(), length: car.length, width: car.width };
         let Some((way, centre)) = hit_at(&state, setup, share) else {
-            let message =
-                format!("the way of pedestrian `{name}` does not lead across the lane of `{other}`");
+            let message = format!("the way of {kind} `{name}` does not lead across the lane of `{other}`");
             return refused(
                 message,
                 "let it start on one side of the lane and walk to the other".to_string(),
@@ -190,12 +189,11 @@ fn meeting(
         (way, centre + car.length / 2.0)
     };
     if way < 0.0 {
-        let message =
-            format!("pedestrian `{name}` starts {} beyond where it is to meet `{other}`", metres(-way));
+        let message = format!("{kind} `{name}` starts {} beyond where it is to meet `{other}`", metres(-way));
         return refused(message, "let it start farther away".to_string());
     }
     let Some(time) = alone(world, setup, way, &scenario.pedestrians[person].model.origin)? else {
-        return Err(never_walks(name, other, way, said));
+        return Err(never_walks(setup, other, way, said));
     };
     in_time(scenario, world, (person, vehicle), (time, flank), said)
 }

@@ -189,14 +189,14 @@ fn way_along(
     (start, along, further): (f64, f64, f64),
     with_traffic: bool,
 ) -> Result<(Position, Position), PlanError> {
-    let name = &declared.name;
+    let (name, kind) = (&declared.name, declared.kind.word());
     if road.bend.is_some() {
-        let message = format!("pedestrian `{name}` walks along the lane of a road that bends");
+        let message = format!("{kind} `{name}` walks along the lane of a road that bends");
         return Err(PlanError::new(&declared.origin, message)
             .with_hint("people go straight to their goals: take a road without `path`, or let it cross"));
     }
     check_places(scenario, declared, (start, along, 0.0), 0.0)?;
-    let what = format!("the goal of pedestrian `{name}`");
+    let what = format!("the goal of {kind} `{name}`");
     check_number(scenario, &format!("{name}.goal"), &what, further, limits::FURTHER, &declared.origin)?;
     let sign = declared.side.walking_sign();
     let lane = match declared.side {

@@ -14,8 +14,6 @@ use scenario::{
     World,
 };
 
-const DEFAULT_SHAPE: Shape = Shape::Disc { radius: 0.25 };
-
 /// The checked world of `scenario` where the variations have the values `variables`, with these people in it.
 pub fn world(scenario: &Scenario, variables: &Variables, people: &[Individual]) -> Result<World, PlanError> {
     let road = road(scenario, variables)?;
@@ -156,7 +154,7 @@ fn pedestrian_setup(
     let model = chosen(&declared.model, "pedestrian model", variables)?;
     let (start, goal) = way(scenario, road, declared, variables)?;
     let shape = match &declared.shape {
-        None => DEFAULT_SHAPE,
+        None => declared.kind.body(),
         Some(DeclaredShape::Disc { radius }) => Shape::Disc { radius: number(radius)? },
         Some(DeclaredShape::Rectangle { length, width }) => {
             Shape::Rectangle { length: number(length)?, width: number(width)? }
@@ -184,6 +182,7 @@ fn pedestrian_setup(
         model.declaration.fill_in(&given).map_err(|error| refused(&declared.model.origin, &error))?;
     Ok(PedestrianSetup {
         name: declared.name.clone(),
+        kind: declared.kind,
         model: ModelSetup { model: model.into(), settings },
         shape,
         side: declared.side,

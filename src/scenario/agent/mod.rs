@@ -10,7 +10,7 @@ mod state;
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
-use super::{Ground, Position, Road, Shape};
+use super::{Ground, Position, Road, RoadUserKind, Shape};
 
 pub use command::{Command, CommandKind};
 pub use controller_error::ControllerError;
@@ -181,6 +181,9 @@ pub struct RoadView {
 pub struct SeenPedestrian {
     /// The same person keeps the same number.
     pub id: usize,
+    /// Whether they walk or ride.
+    #[serde(default, skip_serializing_if = "RoadUserKind::is_pedestrian")]
+    pub kind: RoadUserKind,
     /// Centre in the ego frame, m.
     pub position: Vector2<f64>,
     /// Over ground, along the ego frame's axes, m/s.

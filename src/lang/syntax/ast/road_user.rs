@@ -30,8 +30,8 @@ views! {
     VehicleStart = vehicle_start { value: Expression }
     /// `follows by rear axle` or `follows by rear axle 1.3 m behind centre`
     Follows = follows { behind: (Expression) }
-    /// `pedestrian NAME { … }`, or `pedestrian NAME times 5 { … }`
-    Pedestrian = pedestrian { name: Name, group: (GroupSize), block: PedestrianBlock }
+    /// `pedestrian NAME { … }`, `pedestrian NAME times 5 { … }`, and the same of a `cyclist` or an `escooter`
+    Pedestrian = pedestrian { is_cyclist: {kw_cyclist}, is_escooter: {kw_escooter}, name: Name, group: (GroupSize), block: PedestrianBlock }
     /// `times 5`
     GroupSize = group_size { number: Integer }
     PedestrianBlock = pedestrian_block {

@@ -258,6 +258,8 @@ statement("road", Rule::road_choice, "road NAME` or `road { … }", "Where it ha
 LET.repeats(),
 statement("vehicle", Rule::vehicle, "vehicle NAME { … }", "A vehicle with its controller.").key("vehicles", YamlShape::Named).opens(BlockKind::Vehicle).names().repeats(),
 statement("pedestrian", Rule::pedestrian, "pedestrian NAME { … }", "A pedestrian with its model.").key("pedestrians", YamlShape::Named).opens(BlockKind::Pedestrian).names().repeats(),
+statement("cyclist", Rule::pedestrian, "cyclist NAME { … }", "Somebody on a bicycle, 1.89 m x 0.5 m if not said, who says what a pedestrian says.").key("cyclists", YamlShape::Named).opens(BlockKind::Pedestrian).names().repeats(),
+statement("escooter", Rule::pedestrian, "escooter NAME { … }", "Somebody on an electric scooter, 1.2 m x 0.6 m if not said, who says what a pedestrian says.").key("escooters", YamlShape::Named).opens(BlockKind::Pedestrian).names().repeats(),
 statement("vary", Rule::vary, "vary tta in [6 s, 10 s]`, `vary tta in 6 s .. 18 s step 4 s` or `vary tta in uniform(6 s, 18 s) 100 times", "A name that takes several values; every combination of all `vary` lines is run.").key("vary", YamlShape::Values).names().repeats(),
 statement("vary together", Rule::vary_together, "vary together { a in [1 s, 2 s]; b in [3 m, 4 m] }", "Names whose values go together.").key("vary_together", YamlShape::Together).opens(BlockKind::Together).names().repeats(),
 REPEAT.set_instead_of(Rule::runs, "repeat "),

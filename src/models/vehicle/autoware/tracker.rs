@@ -203,6 +203,7 @@ mod tests {
             pedestrians: seen
                 .into_iter()
                 .map(|(position, velocity)| SeenPedestrian {
+                    kind: Default::default(),
                     id: 0,
                     position,
                     velocity,
