@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use super::agent::{CommandKind, Controller, Dynamics, ModelError, Pedestrian, Perception, Schedule};
 use super::{
-    Appearance, Chance, Declaration, DeclaredProgram, Path, Position, Reference, Registered, Road,
-    RoadUserKind, SettingError, Settings, Shape, Side, VehicleStart,
+    Appearance, Chance, Declaration, DeclaredProgram, Dimension, Parameter, Path, Position, Reference,
+    Registered, Road, RoadUserKind, SettingError, Settings, Shape, Side, VehicleStart,
 };
 
 /// What the simulation needs to know of a case.
@@ -118,6 +118,9 @@ impl VehicleSetup {
     }
 }
 
+/// The setting of people who are told where to go by which they keep clear of others.
+const KEEPS_CLEAR: &str = "keeps_clear";
+
 /// Whoever moves at less than this sine of the angle (20°) against a lane moves along it and does not cross it.
 pub const CROSSES: f64 = 0.34;
 
@@ -147,6 +150,11 @@ pub struct PedestrianSetup {
 }
 
 impl PedestrianSetup {
+    /// How far (m) they keep clear of boxes and other people; `None`: they do not.
+    pub fn keeps_clear(&self) -> Option<f64> {
+        (self.model.model.known()?.keeps_clear)(&self.model.settings)
+    }
+
     /// Whether their way leads across the lanes of a road; otherwise it leads along them.
     pub fn crosses(&self, road: &Road) -> bool {
         let (ahead, across) = (self.goal.x - self.start.x, self.goal.y - self.start.y);
@@ -293,6 +301,8 @@ pub struct PedestrianModel {
     pub chance: Chance,
     /// Whether with these settings it walks the same whatever others do, so that it is known beforehand when it will be where.
     pub is_fixed: fn(&Settings) -> bool,
+    /// How far (m) with these settings it keeps clear of boxes and other people, whatever it wants; `None`: it goes where it is told to.
+    pub keeps_clear: fn(&Settings) -> Option<f64>,
     /// Makes one for a run.
     pub build: BuildPedestrian,
 }
@@ -323,6 +333,7 @@ impl PedestrianModel {
             takes_individuals: false,
             chance: Chance::Always,
             is_fixed: |_| false,
+            keeps_clear: |_| Some(0.0),
             build: Arc::new(build),
         }
     }
@@ -340,6 +351,18 @@ impl PedestrianModel {
     /// With what is known of whether it minds others; [`Self::new`] takes it that it does.
     pub fn fixed(self, is_fixed: fn(&Settings) -> bool) -> Self {
         Self { is_fixed, ..self }
+    }
+
+    /// The same, which goes where it is told to unless its setting `keeps_clear` says how far (m) it keeps from boxes and other people.
+    pub fn told_where_to_go(mut self) -> Self {
+        self.declaration = self.declaration.with(Parameter::optional(
+            KEEPS_CLEAR,
+            Dimension::LENGTH,
+            (0.0, 1.0),
+            "Distance that it keeps from boxes and other people whatever it is told, evading to its right; without it, it goes where it is told.",
+            "free choice",
+        ));
+        Self { keeps_clear: |settings| settings.optional_number(KEEPS_CLEAR), ..self }
     }
 }
 

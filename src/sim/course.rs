@@ -7,6 +7,7 @@ use thiserror::Error;
 
 use super::contact::Contacts;
 use super::control::{Control, TIME_TOLERANCE};
+use super::keep_clear::KeepClear;
 use super::observer::{Ending, Observer, Step, StopReason};
 use super::order::Order;
 use super::road_users::RoadUsers;
@@ -131,6 +132,8 @@ pub struct Course {
     earlier: Vec<(Motion, f64)>,
     pedestrian_modes: Vec<Mode>,
     vehicle_modes: Vec<Mode>,
+    /// `None` where nobody has anything to keep clear of.
+    keep_clear: Option<KeepClear>,
     contacts: Contacts,
     steps: u64,
     /// The step under way.
@@ -174,6 +177,7 @@ impl Course {
             meetings: world.pedestrians.iter().map(|setup| meeting_place(&world, setup)).collect(),
             pedestrian_modes: vec![Mode::NONE; world.pedestrians.len()],
             vehicle_modes: vec![Mode::NONE; world.vehicles.len()],
+            keep_clear: KeepClear::new(&world),
             contacts: Contacts::new(&world),
             steps: steps_within(world.horizon, world.step),
             index: 0,
@@ -351,6 +355,12 @@ impl Course {
                 });
                 self.pedestrian_modes[index] = pedestrian.mode();
             }
+        }
+        if let Some(rule) = &mut self.keep_clear {
+            let (ways, step) = (&self.ways, self.world.step);
+            rule.bend(&self.now.pedestrians, &mut self.motions, step, |index, state, motion| {
+                walk(state, motion, ways[index], step, step);
+            });
         }
         put(&mut self.next.vehicles, &self.now.vehicles);
         self.stage = Stage::Drive(0.0);

@@ -114,7 +114,7 @@ impl Footprint {
         }
     }
 
-    fn across(&self) -> Vector2<f64> {
+    pub(super) fn across(&self) -> Vector2<f64> {
         Vector2::new(-self.heading.y, self.heading.x)
     }
 
@@ -122,8 +122,19 @@ impl Footprint {
         Vector2::new(vector.dot(&self.heading), vector.dot(&self.across()))
     }
 
-    /// How far a rectangle reaches from its centre along an axis, m.
-    fn reach(&self, axis: Vector2<f64>) -> f64 {
+    /// From the nearest point of a rectangle to a place, m; zero within it.
+    pub(super) fn nearest_to(&self, place: Vector2<f64>) -> Vector2<f64> {
+        let (length, width) = self.shape.extents();
+        let own = self.own_frame(place - self.centre);
+        let beyond = Vector2::new(
+            own.x - own.x.clamp(-length / 2.0, length / 2.0),
+            own.y - own.y.clamp(-width / 2.0, width / 2.0),
+        );
+        self.heading * beyond.x + self.across() * beyond.y
+    }
+
+    /// How far it reaches from its centre along an axis, m.
+    pub(super) fn reach(&self, axis: Vector2<f64>) -> f64 {
         match self.shape {
             Shape::Disc { radius } => radius,
             Shape::Rectangle { length, width } => {

@@ -25,6 +25,7 @@ mod fingerprint;
 pub mod fixture;
 pub mod geometry;
 mod hit;
+mod keep_clear;
 pub mod measure;
 mod observer;
 mod order;

@@ -10,6 +10,7 @@ mod cyclists;
 mod executors;
 mod ground;
 mod jaywalker;
+mod keeping_clear;
 mod meetings;
 mod numerics;
 mod several_others;

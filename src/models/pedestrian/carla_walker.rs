@@ -1,7 +1,7 @@
 //! CARLA's AI walker: walks to the kerb, looks once for a near vehicle, and crosses without looking again.
 //!
-//! A reduction of WalkerAIController and its Detour crowd: no navigation mesh, no avoidance among walkers, no
-//! velocity-obstacle sampling.
+//! A reduction of WalkerAIController and its Detour crowd: walkers drive each other off as vehicles do, but there is no navigation mesh
+//! and no velocity-obstacle sampling, by which CARLA's also choose a way around others.
 
 use nalgebra::Vector2;
 
@@ -150,7 +150,7 @@ pub fn carla_walker() -> PedestrianModel {
             Dimension::LENGTH,
             0.3,
             (0.0, 2.0),
-            "Its radius in the crowd; only with `vehicles_nearby: static`.",
+            "Its radius in the crowd: that of other walkers as well, and with `vehicles_nearby: static` what must not touch a vehicle's margin.",
             WALKER,
         ),
         Parameter::number(
@@ -158,7 +158,7 @@ pub fn carla_walker() -> PedestrianModel {
             Dimension::NUMBER,
             0.5,
             (0.0, 100.0),
-            "Weight of being driven off by vehicles.",
+            "Weight of being driven off by vehicles and other people.",
             WALKER,
         ),
         Parameter::number(
@@ -166,7 +166,7 @@ pub fn carla_walker() -> PedestrianModel {
             Dimension::LENGTH,
             10.0,
             (0.1, 200.0),
-            "Distance from a vehicle's margin within which it drives the walker off.",
+            "Distance from a vehicle's margin, or between two people, within which it is driven off.",
             WALKER,
         ),
         Parameter::number(
@@ -442,7 +442,12 @@ impl Vehicles {
             let push = (-clearance).min(self.push_speed * scene.step);
             return Motion::Pushed { velocity: Vector2::zeros(), displacement: out * push };
         }
-        let neighbours = near.filter(|(clearance, _)| *clearance < self.range);
+        let others = scene.pedestrians.iter().enumerate();
+        let others = others.filter(|(index, other)| *index != scene.me && other.present).map(|(_, other)| {
+            let away = place - other.position;
+            (away.norm() - 2.0 * self.radius, away)
+        });
+        let neighbours = near.chain(others).filter(|(clearance, _)| *clearance < self.range);
         let drives = neighbours.clone().map(|(clearance, away)| {
             let share = clearance / self.range;
             away * (self.weight * (1.0 - share * share) / clearance.max(LEAST_CLEARANCE))

@@ -79,6 +79,7 @@ pub fn interceptor() -> PedestrianModel {
     ]);
     PedestrianModel::new(declaration, build)
         .chance(Chance::If(|settings| settings.number("aim_spread") > 0.0))
+        .told_where_to_go()
 }
 
 /// m/s

@@ -45,7 +45,10 @@ pub fn scripted() -> PedestrianModel {
             FREE,
         ),
     ]);
-    PedestrianModel::new(declaration, build).chance(Chance::Never).fixed(|_| true)
+    PedestrianModel::new(declaration, build)
+        .chance(Chance::Never)
+        .fixed(|settings| settings.optional_number("keeps_clear").is_none())
+        .told_where_to_go()
 }
 
 struct Scripted {

@@ -1,6 +1,6 @@
 //! The social force pedestrian of Helbing and Molnár 1995, with vehicles as obstacles that it keeps away from.
 //!
-//! It makes no decision to wait or go: it walks to its goal, slowed or sped up by the repulsion of vehicles. It moves
+//! It makes no decision to wait or go: it walks to its goal, slowed or sped up by the repulsion of vehicles and other people. It moves
 //! along its way only.
 
 use nalgebra::Vector2;
@@ -11,7 +11,7 @@ use crate::pedestrian::across::check_on_foot;
 use numbers::random::Stream;
 use scenario::{Chance, Declaration, Dimension, Parameter};
 use sim::random::{Agent, Purpose, stream};
-use sim::{Mode, ModelError, Motion, Pedestrian, Scene, VehicleState};
+use sim::{Mode, ModelError, Motion, Pedestrian, PedestrianState, Scene, VehicleState};
 
 const PAPER: &str = "Helbing & Molnar 1995, Phys. Rev. E 51:4282";
 const CHOICE: &str = "our choice; the paper has no vehicles";
@@ -19,7 +19,7 @@ const CHOICE: &str = "our choice; the paper has no vehicles";
 pub fn social_force() -> PedestrianModel {
     let declaration = Declaration::new(
         "social_force",
-        "Helbing-Molnar social force: walks to its goal and is repelled by vehicles, \
+        "Helbing-Molnar social force: walks to its goal and is repelled by vehicles and people, \
          without any decision.",
     )
     .source(
@@ -94,12 +94,26 @@ pub fn social_force() -> PedestrianModel {
              0.5 to 5 m.",
             CHOICE,
         ),
+        Parameter::optional(
+            "person_strength",
+            Dimension::new(2, -2, 0),
+            (0.0, 100.0),
+            "Strength of another person's repulsive potential; without it, the paper's 2.1 m^2/s^2.",
+            PAPER,
+        ),
+        Parameter::optional(
+            "person_range",
+            Dimension::LENGTH,
+            (0.1, 10.0),
+            "Range of another person's repulsive potential; without it, the paper's 0.3 m.",
+            PAPER,
+        ),
         Parameter::number(
             "look_ahead",
             Dimension::TIME,
             2.0,
             (0.0, 10.0),
-            "Driving time by which a vehicle's potential stretches ahead of it.",
+            "Driving or walking time by which the potential of a vehicle or another person stretches ahead of it.",
             PAPER,
         ),
         Parameter::number(
@@ -164,12 +178,17 @@ struct SocialForce {
     mode: &'static str,
 }
 
-/// The repulsive potential of vehicles.
+/// The paper's repulsive potential of another person, m²/s² and m.
+const PERSON: (f64, f64) = (2.1, 0.3);
+
+/// The repulsive potentials of vehicles and of other people.
 struct Repulsion {
     /// m²/s²
     strength: f64,
     /// m
     range: f64,
+    /// The same of people.
+    person: (f64, f64),
     /// s
     look_ahead: f64,
     /// Cosine of half the view angle.
@@ -196,6 +215,10 @@ fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError>
         repulsion: Repulsion {
             strength: settings.number("vehicle_strength"),
             range: settings.number("vehicle_range"),
+            person: (
+                settings.optional_number("person_strength").unwrap_or(PERSON.0),
+                settings.optional_number("person_range").unwrap_or(PERSON.1),
+            ),
             look_ahead: settings.number("look_ahead"),
             view: libm::cos(settings.number("view_angle") / 2.0),
             unseen_weight: settings.number("unseen_weight"),
@@ -215,18 +238,44 @@ impl Repulsion {
         let half_length = vehicle.length / 2.0;
         let along = (position - vehicle.position()).dot(&heading).clamp(-half_length, half_length);
         let from_now = position - (vehicle.position() + heading * along);
-        let stride = vehicle.motion.speed * self.look_ahead;
-        let from_then = from_now - heading * stride;
-        let sum = from_now.norm() + from_then.norm();
-        let axis = libm::sqrt((sum * sum - stride * stride).max(0.0)) / 2.0;
-        let free = (axis - (vehicle.width / 2.0 + self.body_radius)).max(0.0);
-        let unit = |vector: Vector2<f64>| vector.try_normalize(0.0).unwrap_or_else(Vector2::zeros);
-        let force = (unit(from_now) + unit(from_then))
-            * (self.strength / self.range * libm::exp(-free / self.range) * sum
-                / (4.0 * axis.max(SMALLEST_AXIS)));
+        let stride = heading * (vehicle.motion.speed * self.look_ahead);
+        let solid = vehicle.width / 2.0 + self.body_radius;
+        self.seen(gradient((self.strength, self.range), from_now, stride, solid), way)
+    }
+
+    /// Of another person: the paper's equation 3, with its distance between centres.
+    fn force_of_person(
+        &self,
+        other: &PedestrianState,
+        position: Vector2<f64>,
+        way: Vector2<f64>,
+    ) -> Vector2<f64> {
+        let stride = other.velocity * self.look_ahead;
+        self.seen(gradient(self.person, position - other.position, stride, 0.0), way)
+    }
+
+    /// What counts of a force on somebody who looks along the unit vector `way`.
+    fn seen(&self, force: Vector2<f64>, way: Vector2<f64>) -> Vector2<f64> {
         let seen = -way.dot(&force) >= force.norm() * self.view;
         if seen { force } else { force * self.unseen_weight }
     }
+}
+
+/// The force (m/s²) of a potential with this strength (m²/s²) and range (m) at a place `from_now` (m) away from what goes `stride` (m) within
+/// the time that is looked ahead, and of which so much (m) is solid. The lines of equal potential are ellipses along the stride.
+fn gradient(
+    (strength, range): (f64, f64),
+    from_now: Vector2<f64>,
+    stride: Vector2<f64>,
+    solid: f64,
+) -> Vector2<f64> {
+    let from_then = from_now - stride;
+    let sum = from_now.norm() + from_then.norm();
+    let axis = libm::sqrt((sum * sum - stride.norm_squared()).max(0.0)) / 2.0;
+    let free = (axis - solid).max(0.0);
+    let unit = |vector: Vector2<f64>| vector.try_normalize(0.0).unwrap_or_else(Vector2::zeros);
+    (unit(from_now) + unit(from_then))
+        * (strength / range * libm::exp(-free / range) * sum / (4.0 * axis.max(SMALLEST_AXIS)))
 }
 
 impl Pedestrian for SocialForce {
@@ -245,7 +294,10 @@ impl Pedestrian for SocialForce {
         self.mode = "walking";
         let speed = ego.velocity.dot(&way);
         let forces = scene.vehicles.iter().map(|vehicle| self.repulsion.force(vehicle, ego.position, way));
-        let repulsion = sum_in_any_order(forces);
+        let others = scene.pedestrians.iter().enumerate();
+        let others = others.filter(|(index, other)| *index != scene.me && other.present);
+        let people = others.map(|(_, other)| self.repulsion.force_of_person(other, ego.position, way));
+        let repulsion = sum_in_any_order(forces.chain(people));
         let mut faster =
             speed + ((self.desired_speed - speed) / self.relaxation_time + repulsion.dot(&way)) * scene.step;
         if self.noise > 0.0 {
@@ -283,7 +335,15 @@ mod tests {
 
     fn repulsion() -> Repulsion {
         let view = libm::cos(100.0_f64.to_radians());
-        Repulsion { strength: 10.0, range: 1.0, look_ahead: 2.0, view, unseen_weight: 0.5, body_radius: 0.3 }
+        Repulsion {
+            strength: 10.0,
+            range: 1.0,
+            look_ahead: 2.0,
+            view,
+            unseen_weight: 0.5,
+            body_radius: 0.3,
+            person: PERSON,
+        }
     }
 
     /// Beside a standing car the ellipse is a circle: V / sigma * exp(-(|r| - w/2 - R) / sigma), away from it.
@@ -317,6 +377,29 @@ mod tests {
         let slope = |way: Vector2<f64>| (potential(place + way * h) - potential(place - way * h)) / (2.0 * h);
         let gradient = Vector2::new(slope(Vector2::x()), slope(Vector2::y()));
         assert!((force + gradient).norm() < 1e-6, "{force} {gradient}");
+    }
+
+    /// The paper's V = 2.1 m^2/s^2 exp(-b / 0.3 m); of somebody who stands b is the distance.
+    #[test]
+    fn a_standing_person_repels_as_published() {
+        let other = PedestrianState {
+            position: Vector2::zeros(),
+            velocity: Vector2::zeros(),
+            acceleration: Vector2::zeros(),
+            heading: Vector2::y(),
+            shape: scenario::Shape::Disc { radius: 0.25 },
+            present: true,
+        };
+        let at = |y: f64, way: f64| {
+            repulsion().force_of_person(&other, Vector2::new(0.0, y), Vector2::new(0.0, way)).y
+        };
+        let expected = -2.1 / 0.3 * libm::exp(-0.9 / 0.3);
+        assert!((at(-0.9, 1.0) - expected).abs() < 1e-12);
+        assert!((at(-0.9, -1.0) - expected / 2.0).abs() < 1e-12);
+        // Who comes nearer reaches farther ahead.
+        let coming = PedestrianState { velocity: Vector2::new(0.0, -1.0), ..other };
+        let force = repulsion().force_of_person(&coming, Vector2::new(0.0, -3.0), Vector2::y());
+        assert!(force.y < 3.0 * at(-3.0, 1.0), "{force}");
     }
 
     #[test]

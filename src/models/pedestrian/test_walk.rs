@@ -132,7 +132,7 @@ fn build(
     (model.build)(&PedestrianContext { settings: &resolved, setup, world, rank: 0, seed })
 }
 
-fn world() -> World {
+pub fn world() -> World {
     World {
         road: Road::zebra(&[Direction::Forward, Direction::Backward], 30.0 / 3.6),
         vehicles: Vec::new(),

@@ -24,11 +24,14 @@ pub fn timeline() -> PedestrianModel {
                     "free choice",
                 ),
             ]);
-    PedestrianModel::new(declaration, build).chance(Chance::Never).fixed(is_fixed)
+    PedestrianModel::new(declaration, build).chance(Chance::Never).fixed(is_fixed).told_where_to_go()
 }
 
-/// Whether no step compares what depends on a vehicle.
+/// Whether no step compares what depends on a vehicle, and nobody else is minded.
 fn is_fixed(settings: &Settings) -> bool {
+    if settings.optional_number("keeps_clear").is_some() {
+        return false;
+    }
     const OWN: [&str; 3] = ["walked", "distance_to_kerb", "speed"];
     let script = Script::from_settings(settings, "timeline", QUANTITIES);
     script.is_ok_and(|script| script.compares().all(|index| OWN.contains(&QUANTITIES[index].0)))

@@ -20,6 +20,7 @@ pub mod agent;
 pub mod belief;
 pub mod decision;
 pub mod draws;
+mod following;
 pub mod hiker;
 pub mod looming;
 pub mod meeting;

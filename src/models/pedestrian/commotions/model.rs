@@ -1,6 +1,7 @@
 //! The COMMOTIONS pedestrian as a registered model: its declaration, and what stands between the world and the agents.
 
 use super::agent::{CommotionsAgent, ConflictState, Rules, Sight};
+use super::following;
 use super::parameters::{Parameters, parameters};
 use super::state::{AgentBody, Control, State};
 use super::variant::{Accumulation, Variant, VariantError};
@@ -282,7 +283,8 @@ impl Pedestrian for Walker {
         }
         self.steps += 1;
         self.standing = scene.ego().velocity.norm() == 0.0;
-        Motion::Accelerate(self.acceleration)
+        let limit = following::limit(scene);
+        Motion::Accelerate(limit.map_or(self.acceleration, |limit| self.acceleration.min(limit)))
     }
 
     fn mode(&self) -> Mode {

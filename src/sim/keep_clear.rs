@@ -1,0 +1,379 @@
+//! Who keeps clear walks through no box and no other person: a rule that holds whatever their model wants.
+//!
+//! Between two bodies lies a line, of which each stays on its side: in the middle between two people, at the face of a box. A step that would
+//! lead over it is shortened across it and goes on along it, so that people evade, to the right where they meet head on or a box; behind
+//! somebody who walks the same way it is shortened only. Where no such step is found, they stand. The lines are those of the moment at which
+//! everybody sets out, so that nobody's place among the others matters.
+
+use nalgebra::Vector2;
+
+use super::geometry::Footprint;
+use scenario::agent::{Motion, PedestrianState};
+use scenario::{Shape, World};
+
+/// What is always left between people and what they keep clear of, m.
+const GAP: f64 = 1e-6;
+
+/// A step is bent so often at most before they stand.
+const MOST_BENDS: usize = 8;
+
+/// Sine of the angle within which two meet head on.
+const HEAD_ON: f64 = 0.2;
+
+/// As much of a step may lead over a line by rounding, m.
+const ROUNDING: f64 = 1e-12;
+
+/// Those of a world who keep clear, and of what.
+pub(super) struct KeepClear {
+    /// How far each of them does, m.
+    who: Vec<Option<f64>>,
+    boxes: Vec<Footprint>,
+    /// Where everybody would be after the step that their models want; of who is not there, nowhere.
+    wanted: Vec<Option<PedestrianState>>,
+    /// Of the walker who is looked at.
+    lines: Vec<Line>,
+}
+
+/// What a walker must not cross.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Line {
+    /// Unit vector over it.
+    normal: Vector2<f64>,
+    /// How far the walker may go along `normal`, m.
+    room: f64,
+    /// Whether the two are apart, so that no corner may be turned over it either.
+    apart: bool,
+    /// The velocity of who walks on its other side, m/s; `None` of a box.
+    others: Option<Vector2<f64>>,
+}
+
+impl KeepClear {
+    /// `None` where nobody has anything to keep clear of.
+    pub fn new(world: &World) -> Option<Self> {
+        let who: Vec<_> = world.pedestrians.iter().map(scenario::PedestrianSetup::keeps_clear).collect();
+        let boxes: Vec<Footprint> = world.road.boxes.iter().map(Footprint::from).collect();
+        let bodies = who.len().saturating_sub(1) + boxes.len();
+        (who.iter().any(Option::is_some) && bodies > 0).then(|| Self {
+            wanted: vec![None; who.len()],
+            lines: Vec::with_capacity(bodies),
+            who,
+            boxes,
+        })
+    }
+
+    /// Bends the motions of those who keep clear and would not. `walk` moves somebody by the whole of a step of `step` s.
+    pub fn bend(
+        &mut self,
+        people: &[PedestrianState],
+        motions: &mut [Motion],
+        step: f64,
+        walk: impl Fn(usize, &mut PedestrianState, Motion),
+    ) {
+        for (index, (wanted, now)) in self.wanted.iter_mut().zip(people).enumerate() {
+            *wanted = now.present.then(|| {
+                let mut then = now.clone();
+                walk(index, &mut then, motions[index]);
+                then
+            });
+        }
+        let ways = self.wanted.iter().flatten().zip(people.iter().filter(|one| one.present));
+        let longest = ways.map(|(then, now)| (then.position - now.position).norm()).fold(0.0, f64::max);
+        for index in 0..people.len() {
+            let (Some(wanted), Some(gap)) = (&self.wanted[index], self.who[index]) else { continue };
+            let (now, then) = (Footprint::from(&people[index]), Footprint::from(wanted));
+            if now == then {
+                continue;
+            }
+            self.lines.clear();
+            for body in &self.boxes {
+                self.lines.extend(line(&now, body, (longest, gap), 1.0, None));
+            }
+            let others = people.iter().enumerate().filter(|(other, state)| *other != index && state.present);
+            for (_, other) in others {
+                self.lines.extend(line(
+                    &now,
+                    &Footprint::from(other),
+                    (longest, gap),
+                    0.5,
+                    Some(other.velocity),
+                ));
+            }
+            if let Some(way) = bent(&self.lines, &now, &then) {
+                motions[index] = Motion::Walk(way / step);
+            }
+        }
+    }
+}
+
+/// The line between a walker and a body of which they may use such a share of what lies between them but for `gap` m; none if nobody
+/// gets that far by ways of at most `longest` m.
+fn line(
+    walker: &Footprint,
+    body: &Footprint,
+    (longest, gap): (f64, f64),
+    share: f64,
+    others: Option<Vector2<f64>>,
+) -> Option<Line> {
+    let offset = body.centre - walker.centre;
+    if offset.norm() > walker.radius() + body.radius() + gap + GAP + 2.0 * longest {
+        return None;
+    }
+    let (mut best, mut normal) = (f64::NEG_INFINITY, Vector2::<f64>::zeros());
+    let mut try_one = |axis: Vector2<f64>| {
+        let axis = if offset.dot(&axis) < 0.0 { -axis } else { axis };
+        let between = offset.dot(&axis) - (walker.reach(axis) + body.reach(axis));
+        // The same for both of them, whoever is asked: also where two are equally far apart along several.
+        let order = between.total_cmp(&best).then(axis.x.abs().total_cmp(&normal.x.abs()));
+        if order.then((axis.x * axis.y).total_cmp(&(normal.x * normal.y))).is_gt() {
+            (best, normal) = (between, axis);
+        }
+    };
+    for one in [walker, body] {
+        if matches!(one.shape, Shape::Rectangle { .. }) {
+            try_one(one.heading);
+            try_one(one.across());
+        }
+    }
+    let nearest = match (walker.shape, body.shape) {
+        (Shape::Disc { .. }, Shape::Disc { .. }) => Some(offset),
+        (Shape::Rectangle { .. }, Shape::Disc { .. }) => Some(walker.nearest_to(body.centre)),
+        (Shape::Disc { .. }, Shape::Rectangle { .. }) => Some(-body.nearest_to(walker.centre)),
+        _ => None,
+    };
+    // Two in the same place have no line between them; they part as they like.
+    if let Some(axis) = nearest.and_then(|way| way.try_normalize(0.0)) {
+        try_one(axis);
+    }
+    let room = ((best - GAP - gap) * share).max(0.0);
+    (best > f64::NEG_INFINITY).then_some(Line { normal, room, apart: best > 0.0, others })
+}
+
+impl Line {
+    /// How far a step leads over it, m; negative if it does not.
+    fn crossed_by(&self, now: &Footprint, heading: Vector2<f64>, way: Vector2<f64>) -> f64 {
+        let turned = Footprint { heading, ..*now };
+        let turn = if self.apart { turned.reach(self.normal) - now.reach(self.normal) } else { 0.0 };
+        way.dot(&self.normal) + turn - self.room
+    }
+}
+
+/// The way (m) that is walked instead of the wanted one; none if that crosses no line.
+fn bent(lines: &[Line], now: &Footprint, then: &Footprint) -> Option<Vector2<f64>> {
+    let wanted = then.centre - now.centre;
+    let mut way = wanted;
+    for _ in 0..MOST_BENDS {
+        let heading =
+            if way == wanted { then.heading } else { way.try_normalize(1e-9).unwrap_or(now.heading) };
+        let over = |line: &Line| line.crossed_by(now, heading, way);
+        // Of those that are crossed the one that is most, in whatever order they come.
+        let worst = lines.iter().max_by(|one, other| {
+            let by_way =
+                one.normal.x.total_cmp(&other.normal.x).then(one.normal.y.total_cmp(&other.normal.y));
+            over(one).total_cmp(&over(other)).then(by_way)
+        });
+        let Some(line) = worst.filter(|line| over(line) > ROUNDING) else {
+            return (way != wanted).then_some(way);
+        };
+        let much = over(line);
+        way -= line.normal * much;
+        let right = Vector2::new(line.normal.y, -line.normal.x);
+        way += match line.others {
+            Some(velocity) if velocity.dot(&wanted) > 0.0 => Vector2::zeros(),
+            Some(_) if wanted.dot(&right) < -HEAD_ON * wanted.norm() => -right * much,
+            // Along a box the side stays the same, wherever the goal is.
+            _ => right * much,
+        };
+        let length = way.norm();
+        if length > wanted.norm() {
+            way *= wanted.norm() / length;
+        }
+    }
+    Some(Vector2::zeros())
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::geometry::apart;
+
+    const STEP: f64 = 0.1;
+
+    /// Somebody with this shape at a place, who always walks towards another at this speed (m/s).
+    #[derive(Debug, Clone)]
+    struct Walker {
+        state: PedestrianState,
+        goal: Vector2<f64>,
+        speed: f64,
+    }
+
+    impl Walker {
+        fn new(shape: Shape, from: (f64, f64), to: (f64, f64), speed: f64) -> Self {
+            let (position, goal) = (Vector2::new(from.0, from.1), Vector2::new(to.0, to.1));
+            let heading = (goal - position).try_normalize(0.0).unwrap_or_else(Vector2::x);
+            let still = Vector2::zeros();
+            let state = PedestrianState {
+                position,
+                velocity: still,
+                acceleration: still,
+                heading,
+                shape,
+                present: true,
+            };
+            Self { state, goal, speed }
+        }
+    }
+
+    fn walk(state: &mut PedestrianState, motion: Motion) {
+        let Motion::Walk(velocity) = motion else { unreachable!("they walk") };
+        state.position += velocity * STEP;
+        state.velocity = velocity;
+        state.heading = velocity.try_normalize(1e-6).unwrap_or(state.heading);
+    }
+
+    /// Where they are after each step.
+    fn run(walkers: &[Walker], boxes: &[Footprint], steps: usize) -> Vec<Vec<PedestrianState>> {
+        let mut rule = KeepClear {
+            who: vec![Some(0.0); walkers.len()],
+            boxes: boxes.to_vec(),
+            wanted: vec![None; walkers.len()],
+            lines: Vec::new(),
+        };
+        let mut now: Vec<_> = walkers.iter().map(|walker| walker.state.clone()).collect();
+        let step = |_| {
+            let wanted = now.iter().zip(walkers).map(|(state, walker)| {
+                let way = walker.goal - state.position;
+                Motion::Walk(way.cap_magnitude(walker.speed * STEP) / STEP)
+            });
+            let mut motions: Vec<_> = wanted.collect();
+            rule.bend(&now, &mut motions, STEP, |_, state, motion| walk(state, motion));
+            now.iter_mut().zip(&motions).for_each(|(state, motion)| walk(state, *motion));
+            now.clone()
+        };
+        (0..steps).map(step).collect()
+    }
+
+    fn nearest(states: &[PedestrianState], boxes: &[Footprint]) -> f64 {
+        let people: Vec<_> = states.iter().map(Footprint::from).collect();
+        let between = people.iter().enumerate().flat_map(|(index, one)| {
+            people[index + 1..].iter().chain(boxes).map(move |other| apart(one, other))
+        });
+        between.fold(f64::INFINITY, f64::min)
+    }
+
+    fn shape() -> impl Strategy<Value = Shape> {
+        prop_oneof![
+            (0.15..0.4).prop_map(|radius| Shape::Disc { radius }),
+            (0.2..0.6, 0.3..0.8).prop_map(|(length, width)| Shape::Rectangle { length, width }),
+        ]
+    }
+
+    fn place() -> impl Strategy<Value = (f64, f64)> {
+        (-4.0..4.0, -4.0..4.0)
+    }
+
+    fn crowd() -> impl Strategy<Value = Vec<Walker>> {
+        let walker = (shape(), place(), place(), 0.0..3.0);
+        let walker = walker.prop_map(|(shape, from, to, speed)| Walker::new(shape, from, to, speed));
+        prop::collection::vec(walker, 1..7)
+    }
+
+    fn obstacles() -> impl Strategy<Value = Vec<Footprint>> {
+        let one = (place(), 0.5..5.0, 0.5..2.0, 0.0..6.3).prop_map(|(at, length, width, angle)| Footprint {
+            centre: Vector2::new(at.0, at.1),
+            heading: Vector2::new(libm::cos(angle), libm::sin(angle)),
+            shape: Shape::Rectangle { length, width },
+        });
+        prop::collection::vec(one, 0..3)
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(200))]
+
+        #[test]
+        fn nobody_walks_into_anybody_or_anything(crowd in crowd(), boxes in obstacles()) {
+            let start: Vec<_> = crowd.iter().map(|walker| walker.state.clone()).collect();
+            prop_assume!(nearest(&start, &boxes) > 0.0);
+            for states in run(&crowd, &boxes, 150) {
+                prop_assert!(nearest(&states, &boxes) > 0.0, "{states:?}");
+            }
+        }
+
+        #[test]
+        fn the_order_of_people_changes_nothing(
+            (crowd, order) in crowd().prop_flat_map(|crowd| {
+                let order: Vec<_> = (0..crowd.len()).collect();
+                (Just(crowd), Just(order).prop_shuffle())
+            }),
+            boxes in obstacles(),
+        ) {
+            let other: Vec<_> = order.iter().map(|index| crowd[*index].clone()).collect();
+            for (one, other) in run(&crowd, &boxes, 100).iter().zip(run(&other, &boxes, 100)) {
+                for (place, index) in order.iter().enumerate() {
+                    prop_assert_eq!(&one[*index], &other[place]);
+                }
+            }
+        }
+
+        #[test]
+        fn whoever_meets_nobody_walks_as_alone(one in place(), far in 30.0..50.0) {
+            let disc = Shape::Disc { radius: 0.25 };
+            let walker = Walker::new(disc, one, (-one.0, -one.1), 1.4);
+            let other = Walker::new(disc, (far, far), (far + 5.0, far), 2.0);
+            let together = run(&[walker.clone(), other], &[], 100);
+            let alone = run(&[walker], &[], 100);
+            for (together, alone) in together.iter().zip(&alone) {
+                prop_assert_eq!(&together[0], &alone[0]);
+            }
+        }
+    }
+
+    /// Face to face both pass, each on the right of their way, and get where they want to.
+    #[test]
+    fn two_who_meet_evade_to_their_right() {
+        let disc = Shape::Disc { radius: 0.25 };
+        let crowd = [
+            Walker::new(disc, (0.0, -3.0), (0.0, 3.0), 1.4),
+            Walker::new(disc, (0.0, 3.0), (0.0, -3.0), 1.2),
+        ];
+        let all = run(&crowd, &[], 100);
+        let last = all.last().unwrap();
+        for (state, walker) in last.iter().zip(&crowd) {
+            assert!((state.position - walker.goal).norm() < 1e-9, "{state:?}");
+        }
+        let passing = all.iter().find(|states| states[0].position.y >= states[1].position.y).unwrap();
+        assert!(passing[0].position.x > 0.2 && passing[1].position.x < -0.2, "{passing:?}");
+    }
+
+    /// Nobody overtakes who could only by leaving their own way.
+    #[test]
+    fn who_walks_behind_somebody_slower_follows() {
+        let disc = Shape::Disc { radius: 0.25 };
+        let crowd = [
+            Walker::new(disc, (0.0, -3.0), (0.0, 20.0), 1.8),
+            Walker::new(disc, (0.0, -1.0), (0.0, 20.0), 1.0),
+        ];
+        let all = run(&crowd, &[], 100);
+        let last = all.last().unwrap();
+        assert!(all.iter().all(|states| states[0].position.x == 0.0), "{last:?}");
+        let apart = last[1].position.y - last[0].position.y;
+        // Half of what is between them may be walked in a step of 0.1 s.
+        assert!((apart - 0.7).abs() < 1e-3 && (last[0].velocity.y - 1.0).abs() < 0.1, "{last:?}");
+    }
+
+    /// Before a wall they go along it to their right, and around it.
+    #[test]
+    fn a_box_is_walked_around() {
+        let car = Footprint {
+            centre: Vector2::zeros(),
+            heading: Vector2::x(),
+            shape: Shape::Rectangle { length: 4.0, width: 1.8 },
+        };
+        let walker = Walker::new(Shape::Disc { radius: 0.25 }, (0.5, -3.0), (0.5, 3.0), 1.4);
+        let all = run(&[walker], &[car], 100);
+        let last = &all.last().unwrap()[0];
+        assert!((last.position - Vector2::new(0.5, 3.0)).norm() < 1e-9, "{last:?}");
+        assert!(all.iter().any(|states| states[0].position.x > 2.2));
+    }
+}
