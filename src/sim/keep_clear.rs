@@ -71,7 +71,7 @@ impl KeepClear {
     ) {
         for (index, (wanted, now)) in self.wanted.iter_mut().zip(people).enumerate() {
             *wanted = now.present.then(|| {
-                let mut then = now.clone();
+                let mut then = *now;
                 walk(index, &mut then, motions[index]);
                 then
             });
@@ -240,7 +240,7 @@ mod tests {
             wanted: vec![None; walkers.len()],
             lines: Vec::new(),
         };
-        let mut now: Vec<_> = walkers.iter().map(|walker| walker.state.clone()).collect();
+        let mut now: Vec<_> = walkers.iter().map(|walker| walker.state).collect();
         let step = |_| {
             let wanted = now.iter().zip(walkers).map(|(state, walker)| {
                 let way = walker.goal - state.position;
@@ -293,7 +293,7 @@ mod tests {
 
         #[test]
         fn nobody_walks_into_anybody_or_anything(crowd in crowd(), boxes in obstacles()) {
-            let start: Vec<_> = crowd.iter().map(|walker| walker.state.clone()).collect();
+            let start: Vec<_> = crowd.iter().map(|walker| walker.state).collect();
             prop_assume!(nearest(&start, &boxes) > 0.0);
             for states in run(&crowd, &boxes, 150) {
                 prop_assert!(nearest(&states, &boxes) > 0.0, "{states:?}");

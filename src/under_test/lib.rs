@@ -14,7 +14,6 @@ mod child;
 mod co_simulation;
 mod conformance;
 mod conversation;
-mod group;
 #[cfg(feature = "wasm")]
 mod guest;
 mod hello;
@@ -26,6 +25,7 @@ mod parent;
 mod permission;
 mod pool;
 mod process;
+mod process_group;
 mod quote;
 mod scenes;
 mod start;

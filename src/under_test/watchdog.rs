@@ -7,7 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use super::group::Group;
+use super::process_group::ProcessGroup;
 
 /// How often deadlines are checked. A deadline is wall time, of which nothing depends but whether there is a fault.
 const CHECK_INTERVAL: Duration = Duration::from_millis(50);
@@ -24,7 +24,7 @@ pub struct Watched {
 #[derive(Debug)]
 struct WatchedChild {
     child: Child,
-    group: Group,
+    group: ProcessGroup,
     ended: Option<ExitStatus>,
 }
 
@@ -42,7 +42,7 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 impl Watchdog {
     /// Watches a child from now on, which leads a group of its own.
     pub fn watch(&self, mut child: Child) -> io::Result<Arc<Watched>> {
-        let group = Group::of(&mut child)?;
+        let group = ProcessGroup::of(&mut child)?;
         let watched = Arc::new(Watched {
             child: Mutex::new(WatchedChild { child, group, ended: None }),
             deadline: Mutex::new(None),

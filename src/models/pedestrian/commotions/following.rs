@@ -74,7 +74,7 @@ mod tests {
         let later = PedestrianState { present: false, ..person(1.0, 1.0) };
         let towards = person(1.0, -1.0);
         for other in [person(-1.0, 1.4), beside, later, towards] {
-            assert_eq!(limit_of(&[me.clone(), other]), None);
+            assert_eq!(limit_of(&[me, other]), None);
         }
         assert_eq!(limit_of(&[me]), None);
     }
