@@ -180,7 +180,7 @@ impl CurvedPath {
     /// How the curvature changes: places (m) in the direction of travel, with the curvature there (1/m, to the left in that direction).
     ///
     /// Between two of them it changes evenly, before the first and behind the last it is 0; two of one place are a jump. Beside the line
-    /// the curvature of a clothoid does not change evenly: there it is divided until it is right to [`EVEN`].
+    /// the curvature of a clothoid does not change evenly: there it is divided until it is right to 0.001 1/m.
     pub fn curvature_changes(&self) -> Vec<(f64, f64)> {
         let mut all: Vec<(f64, f64)> = Vec::new();
         let mut pieces = self.line.placed().peekable();
