@@ -197,6 +197,7 @@ fn values(parameter: &Parameter) -> String {
             format!("{default} in [{}]", options.join(", "))
         }
         ParameterKind::Text { default, .. } => format!("{:?}", default.to_string()),
+        ParameterKind::Pedestrian => "a pedestrian".to_string(),
     }
 }
 

@@ -150,7 +150,7 @@ pub fn one(
             let options: Vec<_> = options.iter().map(|option: &ChoiceOption| &*option.name).collect();
             chosen(given, &what, &options, scope, report)
         }
-        ParameterKind::Text { .. } => word(given, scope, report)
+        ParameterKind::Text { .. } | ParameterKind::Pedestrian => word(given, scope, report)
             .filter(|value| value::expect_kind(value, ValueKind::Word, &what, report)),
         ParameterKind::Number { dimension, range, .. } => {
             value::quantity_in(given, *dimension, *range, &what, scope, report)

@@ -103,5 +103,6 @@ fn value(parameter: &Parameter) -> String {
         ParameterKind::Choice { default, .. } => format!("{default} (one of)"),
         ParameterKind::Text { default, .. } if default.is_empty() => "not set (text)".to_string(),
         ParameterKind::Text { default, .. } => default.to_string(),
+        ParameterKind::Pedestrian => "not set (a pedestrian)".to_string(),
     }
 }

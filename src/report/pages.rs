@@ -139,6 +139,7 @@ fn default_and_range(parameter: &Parameter) -> (String, String) {
             ("not set".to_string(), "text".to_string())
         }
         ParameterKind::Text { default, .. } => (format!("`{default}`"), "text".to_string()),
+        ParameterKind::Pedestrian => ("not set".to_string(), "name of a pedestrian".to_string()),
     }
 }
 

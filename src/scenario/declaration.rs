@@ -177,6 +177,9 @@ pub enum ParameterKind {
         /// What is wrong with a text, asked when the scenario is checked.
         check: TextCheck,
     },
+    /// The name of a pedestrian of the scenario whose model has the same name as who declares this: whatever is not set is as that
+    /// pedestrian has it. Without a default.
+    Pedestrian,
 }
 
 /// Everything that is wrong with a text; `given` says which other parameters of the model have a value.
@@ -343,6 +346,11 @@ impl Parameter {
         Self::new(name, ParameterKind::Text { default: default.into(), check }, doc, source)
     }
 
+    /// A pedestrian of the scenario, whose parameters are taken over; nobody where nothing is set.
+    pub fn pedestrian(name: impl Into<Text>, doc: impl Into<Text>, source: impl Into<Text>) -> Self {
+        Self::new(name, ParameterKind::Pedestrian, doc, source)
+    }
+
     /// The same, published with the value that `published` says.
     pub fn published_with(self, published: Published) -> Self {
         Self { published: Some(published), ..self }
@@ -362,6 +370,7 @@ impl Parameter {
             ParameterKind::Choice { default, .. } | ParameterKind::Text { default, .. } => {
                 Some(Value::Word(default.to_string()))
             }
+            ParameterKind::Pedestrian => None,
         }
     }
 
@@ -401,9 +410,8 @@ impl Parameter {
                     Err(outside(*number, *low as f64, *high as f64, String::new()))
                 }
             }
-            (ParameterKind::Flag { .. }, Value::Flag(_)) | (ParameterKind::Text { .. }, Value::Word(_)) => {
-                Ok(())
-            }
+            (ParameterKind::Flag { .. }, Value::Flag(_))
+            | (ParameterKind::Text { .. } | ParameterKind::Pedestrian, Value::Word(_)) => Ok(()),
             (ParameterKind::Choice { options, .. }, Value::Word(word)) => {
                 if options.iter().any(|option| option.name == word.as_str()) {
                     Ok(())
@@ -434,6 +442,7 @@ impl ParameterKind {
                 format!("one of {}", names.join(", "))
             }
             Self::Text { .. } => "a word".to_string(),
+            Self::Pedestrian => "the name of a pedestrian".to_string(),
         }
     }
 }

@@ -171,6 +171,7 @@ fn default(parameter: &Parameter) -> Option<Json> {
         ParameterKind::Choice { default, .. } | ParameterKind::Text { default, .. } => {
             json!(default.to_string())
         }
+        ParameterKind::Pedestrian => return None,
     })
 }
 
@@ -182,7 +183,7 @@ fn ends(parameter: &Parameter) -> Vec<Json> {
         ParameterKind::Choice { options, .. } => {
             options.iter().map(|one| json!(one.name.to_string())).collect()
         }
-        ParameterKind::Text { .. } => Vec::new(),
+        ParameterKind::Text { .. } | ParameterKind::Pedestrian => Vec::new(),
     }
 }
 

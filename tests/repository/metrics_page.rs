@@ -104,5 +104,6 @@ fn default_and_range(parameter: &Parameter) -> (String, String) {
             (default.to_string(), options.join(", "))
         }
         ParameterKind::Text { default, .. } => (default.to_string(), "text".to_string()),
+        ParameterKind::Pedestrian => (String::new(), "name of a pedestrian".to_string()),
     }
 }

@@ -13,6 +13,7 @@ mod jaywalker;
 mod keeping_clear;
 mod meetings;
 mod numerics;
+mod same_as;
 mod several_others;
 #[path = "../support/mod.rs"]
 mod support;

@@ -445,7 +445,9 @@ fn range(
                 let names = options.iter().map(|option| &*option.name).collect();
                 (ValueKind::Word, false, (0.0, 0.0), Some(names))
             }
-            Some(ParameterKind::Text { .. }) => (ValueKind::Word, false, (0.0, 0.0), None),
+            Some(ParameterKind::Text { .. } | ParameterKind::Pedestrian) => {
+                (ValueKind::Word, false, (0.0, 0.0), None)
+            }
             Some(ParameterKind::Flag { .. }) => (ValueKind::Flag, false, (0.0, 0.0), None),
             None => {
                 let names: Option<Vec<_>> = declaration

@@ -23,6 +23,7 @@ mod rating;
 mod road;
 mod road_settings;
 mod runs;
+mod same_as;
 mod scenario;
 mod statement;
 mod subject;

@@ -12,6 +12,7 @@ use super::metric::Cast;
 use super::pedestrian::{Described, pedestrian, write_pedestrian};
 use super::places::Places;
 use super::road::{DeclaredRoad, road, write_road};
+use super::same_as::check_same_as;
 use super::vehicle::{check_starts, vehicle, write_vehicle};
 use super::{group, runs, variation};
 use crate::codes::Code;
@@ -73,8 +74,10 @@ pub fn scenario(
         binding.value.iter().for_each(|typed| written.variation(name, typed, places));
     }
     let mut vehicles: Vec<(Span, Vehicle)> = Vec::new();
+    let mut alike = Vec::new();
     for (name, layers) in &vehicle_groups {
-        if let Some(vehicle) = vehicle(*name, layers, road.as_ref(), places, &mut written, report) {
+        if let Some(vehicle) = vehicle(*name, layers, road.as_ref(), places, &mut written, &mut alike, report)
+        {
             vehicles.push((name.span(), vehicle));
         }
     }
@@ -111,6 +114,7 @@ pub fn scenario(
             |vehicle: &str| pedestrians.iter().any(|pedestrian| pedestrian.appears.awaits() == Some(vehicle));
         check_starts(&vehicles, awaited, report);
         nobody(name, &cast, report);
+        check_same_as(&alike, &pedestrians, report);
     }
     let vehicles: Vec<Vehicle> = vehicles.into_iter().map(|(_, vehicle)| vehicle).collect();
 

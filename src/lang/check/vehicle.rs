@@ -4,6 +4,7 @@ use super::block::{Layer, Said, last, missing, reject_repeats};
 use super::book::Book;
 use super::model::{self, Named, named};
 use super::places::Places;
+use super::same_as::{SameAs, same_as};
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
 use crate::settings::{self, not_whole};
@@ -23,6 +24,7 @@ pub fn vehicle(
     road: Option<&Road>,
     places: &Places,
     written: &mut Book,
+    alike: &mut Vec<SameAs>,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Vehicle> {
     if let Some(layer) = layers.last() {
@@ -83,6 +85,7 @@ pub fn vehicle(
             origin: places.origin(node.span()),
         }
     });
+    alike.extend(controller.iter().flat_map(same_as));
     for (part, given) in [
         ("controller", controller.as_ref().map(|named| &named.given)),
         ("dynamics", dynamics.iter().flatten().map(|named| &named.given).next()),

@@ -6,7 +6,7 @@ use crate::pedestrian::commotions::parameters::parameters;
 use crate::pedestrian::commotions::state::{AgentBody, Control};
 use crate::pedestrian::commotions::{CommotionsAgent, ConflictState, Rules, Sight, State};
 use numbers::random::Stream;
-use scenario::{Approach, Chance, Declaration, PedestrianSetup};
+use scenario::{Approach, Chance, Declaration, Parameter, PedestrianSetup};
 use sim::random::{self, Purpose};
 use sim::{
     Command, Controller, ControllerError, EgoState, Mode, ModelError, Observation, Schedule, SeenPedestrian,
@@ -22,7 +22,13 @@ pub fn commotions() -> ControllerModel {
         "Markkula, Lin, Srinivasan, Billington, Leonetti, Kalantari, Yang, Lee, \
          Madigan and Merat, PNAS Nexus 2(6), 2023",
     )
-    .parameters(parameters());
+    .parameters(parameters())
+    .with(Parameter::pedestrian(
+        "same_as",
+        "The pedestrian whose parameters the driver has, as both agents of the published fits have the same; what else is \
+         said here wins",
+        "Markkula et al. 2023",
+    ));
     ControllerModel::new(declaration, CommandKind::Acceleration, build)
         .driving("ideal")
         .chance(Chance::Always)

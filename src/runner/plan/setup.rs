@@ -8,10 +8,10 @@ use super::meeting::meet;
 use super::places::{road, way};
 use super::variables::{Variables, number};
 use scenario::{
-    Appearance, Declaration, DeclaredAppearance, DeclaredFollowing, DeclaredPedestrian, DeclaredShape,
-    DeclaredVehicleStart, Expression, Individual, Model, ModelSetup, Origin, PedestrianSetup, REAR_AXLE,
-    Road, Scenario, SettingError, Settings, Shape, Vehicle, VehicleReference, VehicleSetup, VehicleStart,
-    World,
+    Appearance, ControllerModel, Declaration, DeclaredAppearance, DeclaredFollowing, DeclaredPedestrian,
+    DeclaredShape, DeclaredVehicleStart, Expression, Individual, Model, ModelSetup, Origin, ParameterKind,
+    PedestrianSetup, REAR_AXLE, Road, Scenario, SettingError, Settings, Shape, Value, Vehicle,
+    VehicleReference, VehicleSetup, VehicleStart, World,
 };
 
 /// The checked world of `scenario` where the variations have the values `variables`, with these people in it.
@@ -25,7 +25,7 @@ pub fn world(scenario: &Scenario, variables: &Variables, people: &[Individual]) 
     let vehicles = scenario
         .vehicles
         .iter()
-        .map(|declared| vehicle_setup(declared, variables))
+        .map(|declared| vehicle_setup(declared, variables, &pedestrians))
         .collect::<Result<Vec<_>, _>>()?;
     let mut world = World {
         road,
@@ -51,7 +51,11 @@ pub fn world(scenario: &Scenario, variables: &Variables, people: &[Individual]) 
     Ok(world)
 }
 
-fn vehicle_setup(declared: &Vehicle, variables: &Variables) -> Result<VehicleSetup, PlanError> {
+fn vehicle_setup(
+    declared: &Vehicle,
+    variables: &Variables,
+    pedestrians: &[PedestrianSetup],
+) -> Result<VehicleSetup, PlanError> {
     let number = |expression: &Expression| number(expression, variables, &declared.origin);
     let controller = chosen(&declared.controller, "controller", variables)?;
     let (dynamics, dynamics_settings) = match &declared.dynamics {
@@ -107,7 +111,12 @@ fn vehicle_setup(declared: &Vehicle, variables: &Variables) -> Result<VehicleSet
     Ok(VehicleSetup {
         name: declared.name.clone(),
         controller: ModelSetup {
-            settings: resolve(&controller.declaration, &declared.controller, variables)?,
+            settings: controller_settings(
+                &controller.declaration,
+                &declared.controller,
+                variables,
+                pedestrians,
+            )?,
             model: controller.into(),
         },
         dynamics: ModelSetup { model: dynamics.into(), settings: dynamics_settings },
@@ -119,6 +128,34 @@ fn vehicle_setup(declared: &Vehicle, variables: &Variables) -> Result<VehicleSet
         start,
         sees,
     })
+}
+
+/// What a controller is set to, where it says so as somebody who walks.
+fn controller_settings(
+    declaration: &Declaration,
+    model: &Model<ControllerModel>,
+    variables: &Variables,
+    pedestrians: &[PedestrianSetup],
+) -> Result<Settings, PlanError> {
+    let mut given = evaluate(model, variables)?;
+    let names = declaration.parameters.iter().filter(|one| matches!(one.kind, ParameterKind::Pedestrian));
+    for parameter in names {
+        let Some(Value::Word(name)) = given.get(&parameter.name).cloned() else { continue };
+        let what = format!("`{}` of `{}`", parameter.name, declaration.name);
+        let walker = pedestrians.iter().find(|one| one.name == name).ok_or_else(|| {
+            PlanError::new(&model.origin, format!("{what} names `{name}`, and there is no such pedestrian"))
+                .with_hint("name a pedestrian of the scenario")
+        })?;
+        if walker.model.model.name() != declaration.name {
+            let message = format!("{what} names `{name}`, whose model is `{}`", walker.model.model);
+            return Err(PlanError::new(&model.origin, message)
+                .with_hint(format!("give `{name}` the model `{}`", declaration.name)));
+        }
+        for (name, value) in &walker.model.settings.0 {
+            given.0.entry(name.clone()).or_insert_with(|| value.clone());
+        }
+    }
+    declaration.fill_in(&given).map_err(|error| refused(&model.origin, &error))
 }
 
 /// Far enough out that the pedestrian who waits for the earliest arrival appears at time 0.
