@@ -250,6 +250,9 @@ impl Control {
         road: &Road,
     ) -> Result<Option<Mode>, ControllerError> {
         self.see(time, me, now, road);
+        if let Some(perception) = &mut driven.perception {
+            perception.look(me, now);
+        }
         self.ask(driven)
     }
 

@@ -65,9 +65,30 @@ impl Footprint {
         Self { shape, ..*self }
     }
 
-    /// Whether `line` (m) from a point passes through it; through a disc if it does through the square around that.
+    /// Whether a place is inside it, and not at its edge.
+    pub fn is_over(&self, place: Vector2<f64>) -> bool {
+        let offset = place - self.centre;
+        match self.shape {
+            Shape::Disc { radius } => offset.norm_squared() < radius * radius,
+            Shape::Rectangle { length, width } => {
+                let own = self.own_frame(offset);
+                own.x.abs() < length / 2.0 && own.y.abs() < width / 2.0
+            }
+        }
+    }
+
+    /// Whether `line` (m) from a point passes through it. To touch it is not enough.
     pub fn is_crossed(&self, from: Vector2<f64>, line: Vector2<f64>) -> bool {
-        let (length, width) = self.shape.extents();
+        let (length, width) = match self.shape {
+            Shape::Disc { radius } => {
+                let to_centre = self.centre - from;
+                let squared = line.norm_squared();
+                let nearest =
+                    if squared > 0.0 { (to_centre.dot(&line) / squared).clamp(0.0, 1.0) } else { 0.0 };
+                return (to_centre - line * nearest).norm_squared() < radius * radius;
+            }
+            Shape::Rectangle { length, width } => (length, width),
+        };
         let (offset, line) = (self.own_frame(from - self.centre), self.own_frame(line));
         let (mut enter, mut leave) = (0.0f64, 1.0f64);
         for (offset, along, half) in [(offset.x, line.x, length / 2.0), (offset.y, line.y, width / 2.0)] {

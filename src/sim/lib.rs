@@ -32,6 +32,7 @@ mod order;
 pub mod random;
 mod road_users;
 pub mod script;
+pub mod sight;
 mod solid;
 mod start;
 mod timeline;

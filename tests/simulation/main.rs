@@ -9,6 +9,7 @@ mod course;
 mod cyclists;
 mod executors;
 mod ground;
+mod hiding;
 mod jaywalker;
 mod keeping_clear;
 mod meetings;

@@ -13,6 +13,7 @@ use scenario::{
     ChoiceOption, Declaration, Dimension, Parameter, Preset, PresetFamily, Road, Settings, Side, Value,
 };
 use sim::random::{Agent, Purpose, stream};
+use sim::sight::sees_vehicle;
 use sim::{Mode, ModelError, Motion, Pedestrian, Scene, VehicleState, geometry};
 
 const WALKER: &str = "CARLA LibCarla/source/carla/nav";
@@ -475,12 +476,14 @@ impl Waits {
 }
 
 impl Check {
-    /// Whether a vehicle is near enough, and far enough ahead on the way across, to wait for.
+    /// Whether a vehicle in sight is near enough, and far enough ahead on the way across, to wait for.
     fn waits_for_vehicle(&self, scene: &Scene, way: Vector2<f64>) -> bool {
-        scene.vehicles.iter().any(|vehicle| {
+        scene.vehicles.iter().enumerate().any(|(index, vehicle)| {
             let to_vehicle = vehicle.position() - scene.ego().position;
             let distance = to_vehicle.norm();
-            distance <= self.look_distance && to_vehicle.dot(&way) >= self.look_cosine * distance
+            distance <= self.look_distance
+                && to_vehicle.dot(&way) >= self.look_cosine * distance
+                && sees_vehicle(scene, index)
         })
     }
 }

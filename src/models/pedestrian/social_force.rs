@@ -11,6 +11,7 @@ use crate::pedestrian::across::check_on_foot;
 use numbers::random::Stream;
 use scenario::{Chance, Declaration, Dimension, Parameter};
 use sim::random::{Agent, Purpose, stream};
+use sim::sight::sees_vehicle;
 use sim::{Mode, ModelError, Motion, Pedestrian, PedestrianState, Scene, VehicleState};
 
 const PAPER: &str = "Helbing & Molnar 1995, Phys. Rev. E 51:4282";
@@ -293,7 +294,8 @@ impl Pedestrian for SocialForce {
         };
         self.mode = "walking";
         let speed = ego.velocity.dot(&way);
-        let forces = scene.vehicles.iter().map(|vehicle| self.repulsion.force(vehicle, ego.position, way));
+        let seen = scene.vehicles.iter().enumerate().filter(|(index, _)| sees_vehicle(scene, *index));
+        let forces = seen.map(|(_, vehicle)| self.repulsion.force(vehicle, ego.position, way));
         let others = scene.pedestrians.iter().enumerate();
         let others = others.filter(|(index, other)| *index != scene.me && other.present);
         let people = others.map(|(_, other)| self.repulsion.force_of_person(other, ego.position, way));

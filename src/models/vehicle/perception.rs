@@ -9,7 +9,10 @@ use numbers::random::Stream;
 use scenario::{Chance, Declaration, Dimension, Parameter, Path, Settings};
 use sim::geometry::Footprint;
 use sim::random::{Agent, Purpose, stream};
-use sim::{ModelError, Observation, Perception, RoadView, Schedule, SeenPedestrian, SeenVehicle};
+use sim::sight::is_hidden;
+use sim::{
+    ModelError, Observation, Perception, RoadView, Schedule, SeenPedestrian, SeenVehicle, Snapshot, Solid,
+};
 
 const FREE: &str = "free choice";
 
@@ -25,7 +28,7 @@ pub fn perception() -> PerceptionModel {
     }
 }
 
-/// What `sees { … }` takes. A vehicle without it sees everything at once and exactly, through boxes too.
+/// What `sees { … }` takes. A vehicle without it sees everything at once and exactly, through boxes and others too.
 fn declaration() -> Declaration {
     Declaration::new(
         "sees",
@@ -52,7 +55,8 @@ fn declaration() -> Declaration {
         Parameter::flag(
             "occlusion",
             true,
-            "Whether boxes beside the road hide those whose centre is behind them.",
+            "Whether boxes hide those whose centre is behind them, and vehicles and people those of whom they cover \
+             most.",
             "line of sight",
         ),
         Parameter::number(
@@ -115,7 +119,9 @@ fn with_perception(
     schedule: Schedule,
 ) -> Result<Box<dyn Perception>, ModelError> {
     let path = context.setup.path(&context.world.road);
-    let boxes = if settings.flag("occlusion") { context.world.road.boxes.as_slice() } else { &[] };
+    let occlusion = settings.flag("occlusion");
+    let boxes = if occlusion { context.world.road.boxes.as_slice() } else { &[] };
+    let world_boxes: Vec<_> = boxes.iter().map(Footprint::from).collect();
     let boxes = boxes.iter().map(|body| {
         let outline = Footprint::from(body);
         if path.course().is_some() {
@@ -133,11 +139,19 @@ fn with_perception(
         pedestrians: Vec::with_capacity(pedestrians),
         vehicles: Vec::with_capacity(vehicles),
     };
+    let setback = settings.number("sensor_setback");
     Ok(Box::new(Perceiving {
+        hiding: occlusion.then(|| Hiding {
+            setback,
+            boxes: world_boxes,
+            bodies: Vec::with_capacity(pedestrians + vehicles),
+            pedestrians: vec![false; pedestrians],
+            vehicles: vec![false; vehicles],
+        }),
         sight: Sight {
             range: settings.optional_number("range").unwrap_or(f64::INFINITY),
             half_angle: settings.optional_number("field_of_view").map_or(f64::INFINITY, |angle| angle / 2.0),
-            setback: settings.number("sensor_setback"),
+            setback,
             boxes,
             path,
         },
@@ -157,6 +171,8 @@ fn with_perception(
 }
 
 struct Perceiving {
+    /// `None`: it looks through everything.
+    hiding: Option<Hiding>,
     sight: Sight,
     blur: Blur,
     /// s
@@ -185,6 +201,18 @@ struct Sight {
     /// Relative to the crossing, along the ego's lane; in the world frame if that bends.
     boxes: Vec<Footprint>,
     path: Path,
+}
+
+/// Who is hidden by what moves.
+struct Hiding {
+    /// Of the sensor behind the front bumper, m.
+    setback: f64,
+    boxes: Vec<Footprint>,
+    /// The outlines of the others that are there.
+    bodies: Vec<(Solid, Footprint)>,
+    /// Whether each of them is hidden now, by identity.
+    pedestrians: Vec<bool>,
+    vehicles: Vec<bool>,
 }
 
 /// What is lost or blurred of those in view.
@@ -223,6 +251,29 @@ impl Sight {
     }
 }
 
+impl Hiding {
+    /// Takes down who is hidden from the vehicle `me`.
+    fn look(&mut self, me: usize, now: &Snapshot) {
+        let Self { setback, boxes, bodies, pedestrians, vehicles } = self;
+        bodies.clear();
+        let others = now.vehicles.iter().enumerate().filter(|(index, _)| *index != me);
+        bodies.extend(others.map(|(index, car)| (Solid::Vehicle(index), car.into())));
+        let people = now.pedestrians.iter().enumerate().filter(|(_, person)| person.present);
+        bodies.extend(people.map(|(index, person)| (Solid::Pedestrian(index), person.into())));
+        let ego = &now.vehicles[me];
+        let eye = ego.position() + ego.heading() * (ego.length / 2.0 - *setback);
+        for (who, body) in bodies.iter() {
+            let others = bodies.iter().filter(|(other, _)| other != who).map(|(_, body)| *body);
+            let hidden = is_hidden(eye, body, others, boxes.iter().copied());
+            match who {
+                Solid::Vehicle(index) => vehicles[*index] = hidden,
+                Solid::Pedestrian(index) => pedestrians[*index] = hidden,
+                Solid::Box(_) => {}
+            }
+        }
+    }
+}
+
 impl Blur {
     /// Whether somebody in view is lost at `time`; `lost_until` is remembered.
     fn loses(&mut self, time: f64, lost_until: &mut f64) -> bool {
@@ -257,7 +308,8 @@ impl Perceiving {
         for seen in &observation.pedestrians {
             let place = seen.position + ego;
             let lost = &mut self.lost_pedestrians[seen.id];
-            if self.sight.sees(ego, ahead, place) && !self.blur.loses(observation.time, lost) {
+            let hidden = self.hiding.as_ref().is_some_and(|hiding| hiding.pedestrians[seen.id]);
+            if !hidden && self.sight.sees(ego, ahead, place) && !self.blur.loses(observation.time, lost) {
                 let position = place + self.blur.noise(self.blur.position_noise);
                 let velocity = seen.velocity + self.blur.noise(self.blur.velocity_noise);
                 frame.pedestrians.push(SeenPedestrian { position, velocity, ..*seen });
@@ -267,7 +319,8 @@ impl Perceiving {
         for seen in &observation.vehicles {
             let place = seen.position + ego;
             let lost = &mut self.lost_vehicles[seen.id];
-            if self.sight.sees(ego, ahead, place) && !self.blur.loses(observation.time, lost) {
+            let hidden = self.hiding.as_ref().is_some_and(|hiding| hiding.vehicles[seen.id]);
+            if !hidden && self.sight.sees(ego, ahead, place) && !self.blur.loses(observation.time, lost) {
                 let position = place + self.blur.noise(self.blur.position_noise);
                 let velocity = seen.velocity + self.blur.noise(self.blur.velocity_noise);
                 frame.vehicles.push(SeenVehicle { position, velocity, ..*seen });
@@ -284,6 +337,12 @@ impl Perceiving {
 }
 
 impl Perception for Perceiving {
+    fn look(&mut self, me: usize, now: &Snapshot) {
+        if let Some(hiding) = &mut self.hiding {
+            hiding.look(me, now);
+        }
+    }
+
     fn perceive(&mut self, seen: &Observation, view: &mut Observation) {
         self.note(seen);
         view.time = seen.time;

@@ -101,6 +101,10 @@ pub trait Controller: Send {
 pub trait Perception: Send {
     /// Puts into `view` what is known of `seen`. Called once before each decision; `view` is that of the decision before.
     fn perceive(&mut self, seen: &Observation, view: &mut Observation);
+
+    /// Where everybody is, the vehicle itself by its index `me`. Called before each [`Self::perceive`] from the start of the run on, for whoever
+    /// minds who stands before whom.
+    fn look(&mut self, _me: usize, _now: &Snapshot) {}
 }
 
 /// What a controller receives. Ego frame: x ahead along the lane from the ego's centre, y to the left of its lane's

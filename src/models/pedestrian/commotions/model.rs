@@ -11,7 +11,11 @@ use nalgebra::Vector2;
 use numbers::random::Stream;
 use scenario::{Conflict, ConflictArea, Declaration, Dimension, Road, Settings, half_extent};
 use sim::random::{self, Purpose};
-use sim::{Mode, ModelError, Motion, Pedestrian, PedestrianState, Scene, Stated, StatedBy, VehicleState};
+use sim::sight::sees_vehicle;
+use sim::{
+    Longitudinal, Mode, ModelError, Motion, Pedestrian, PedestrianState, Scene, Stated, StatedBy,
+    VehicleState,
+};
 
 /// The registry entry.
 pub fn commotions() -> PedestrianModel {
@@ -43,6 +47,8 @@ fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError>
         path,
         moved: false,
         crossing: None,
+        seen: None,
+        hidden: false,
     };
     let paths = context.world.vehicles.iter().map(|vehicle| vehicle.lane);
     let agent = random::Agent::Pedestrian(context.rank);
@@ -174,6 +180,10 @@ struct Meeting {
     moved: bool,
     /// Where the ways of the two cross, on a path that bends.
     crossing: Option<BendCrossing>,
+    /// When it was in sight last (s), and how it moved.
+    seen: Option<(f64, Longitudinal)>,
+    /// Whether it was in sight and is not now.
+    hidden: bool,
 }
 
 /// Where the way of a pedestrian crosses a path that bends: it stays while the pedestrian does not turn and the vehicle has not left it.
@@ -199,6 +209,15 @@ struct Approaches {
 }
 
 impl Meeting {
+    /// The vehicle is in sight at `time` (s).
+    fn sees(&mut self, time: f64, motion: Longitudinal) {
+        self.seen = Some((time, motion));
+        if std::mem::take(&mut self.hidden) {
+            // It may be before a place at which it was thought to be past.
+            self.crossing = None;
+        }
+    }
+
     /// How the two come to their conflict; `None` if the pedestrian, who walks along `way`, does not cross the vehicle's path.
     fn approaches(
         &mut self,
@@ -260,6 +279,12 @@ impl Meeting {
     }
 }
 
+/// A vehicle that is hidden as it is taken to be: so long (s) after it was seen to move like this it has kept its speed.
+fn driven_on(vehicle: &VehicleState, seen: Longitudinal, since: f64) -> VehicleState {
+    let motion = Longitudinal { travelled: seen.travelled + seen.speed * since, acceleration: 0.0, ..seen };
+    VehicleState { motion, ..vehicle.clone() }
+}
+
 /// A pedestrian among vehicles.
 struct Walker {
     agent: CommotionsAgent,
@@ -307,6 +332,16 @@ impl Walker {
         let speed = me.velocity.dot(&way);
         self.sights.clear();
         for (other, (meeting, vehicle)) in self.meetings.iter_mut().zip(scene.vehicles).enumerate() {
+            let believed;
+            let vehicle = if sees_vehicle(scene, other) {
+                meeting.sees(scene.time, vehicle.motion);
+                vehicle
+            } else {
+                let Some((last, motion)) = meeting.seen else { continue };
+                meeting.hidden = true;
+                believed = driven_on(vehicle, motion, scene.time - last);
+                &believed
+            };
             let Some(Approaches { own, other: state, apart, changed }) = meeting.approaches(me, way, vehicle)
             else {
                 continue;

@@ -9,6 +9,7 @@ use super::perception::{JaywalkerEncounter, JaywalkerPerception};
 use crate::pedestrian::sum::sum_in_any_order;
 use numbers::random::Stream;
 use scenario::{Settings, Side};
+use sim::sight::sees_vehicle;
 use sim::{Mode, Motion, Pedestrian, Scene, VehicleState};
 
 /// Nearer to its goal than this it has arrived, m.
@@ -238,9 +239,11 @@ impl Jaywalker {
                 let walking = walking_direction(ego.velocity, way);
                 let side = self.side;
                 let oncoming =
-                    |vehicle: &&VehicleState| self.perception.encounter(vehicle, ego, side).is_oncoming();
-                let forces = scene.vehicles.iter().filter(oncoming);
-                sum_in_any_order(forces.map(|vehicle| yang.force(vehicle, ego, walking)))
+                    |vehicle: &VehicleState| self.perception.encounter(vehicle, ego, side).is_oncoming();
+                let vehicles = scene.vehicles.iter().enumerate();
+                let forces =
+                    vehicles.filter(|(index, vehicle)| oncoming(vehicle) && sees_vehicle(scene, *index));
+                sum_in_any_order(forces.map(|(_, vehicle)| yang.force(vehicle, ego, walking)))
             }
         }
     }

@@ -1,6 +1,7 @@
 //! What the jaywalker makes of the vehicles around it: time gaps and the vehicle that matters.
 
 use scenario::{Settings, Side};
+use sim::sight::sees_vehicle;
 use sim::{PedestrianState, Scene, VehicleState};
 
 /// Below this a vehicle does not come nearer, m/s.
@@ -75,7 +76,7 @@ impl JaywalkerPerception {
         encounter
     }
 
-    /// The encounter that matters most; `None` without vehicles.
+    /// The encounter that matters most; `None` without vehicles in sight.
     ///
     /// A moving vehicle whose lane it has yet to leave comes before other moving ones, these before standing ones and
     /// these before those that passed; among equals the one that arrives first, then the nearest.
@@ -101,7 +102,8 @@ impl JaywalkerPerception {
                 .then(other.beyond_lane_centre.total_cmp(&one.beyond_lane_centre))
                 .then(one.ahead.total_cmp(&other.ahead))
         };
-        let encounters = scene.vehicles.iter().map(|vehicle| self.encounter(vehicle, scene.ego(), side));
+        let seen = scene.vehicles.iter().enumerate().filter(|(index, _)| sees_vehicle(scene, *index));
+        let encounters = seen.map(|(_, vehicle)| self.encounter(vehicle, scene.ego(), side));
         encounters.min_by(order)
     }
 }
