@@ -57,6 +57,7 @@ fn measure(bencher: Bencher, names: &[&str]) {
                     vehicle_modes: &[Mode::NONE],
                     motions: &[],
                     contacts: &[],
+                    sightings: &[],
                 });
             }
         });

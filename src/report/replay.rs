@@ -128,6 +128,8 @@ pub fn describe(what: &Happening) -> String {
         Happening::Collides { with, relative_speed } => {
             format!("COLLIDES with {with} at a relative speed of {}", speed(*relative_speed))
         }
+        Happening::ComesIntoSight { of } => format!("comes into the sight of {of}"),
+        Happening::IsLostFromSight { of } => format!("is lost from the sight of {of}"),
         Happening::Touches { with, relative_speed } => {
             format!("touches {with} at a relative speed of {}", speed(*relative_speed))
         }

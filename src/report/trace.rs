@@ -23,7 +23,7 @@ pub fn write_trace(world: &World, trace: &Trace, out: impl Write) -> io::Result<
 }
 
 /// Writes a row per sample with the columns of the first line; numbers round-trip exactly. `event` says in which row
-/// somebody `appears`, `jumps` or `touches NAME`; several are separated by `; `.
+/// somebody `appears`, `jumps`, `touches NAME`, `comes into the sight of NAME` or `is lost from the sight of NAME`; several are separated by `; `.
 pub fn write_trace_with(
     world: &World,
     trace: &Trace,
@@ -48,6 +48,8 @@ pub fn write_trace_with(
                 TraceMark::Appears => appears(world, sample.who),
                 TraceMark::Jumps => "jumps".to_string(),
                 TraceMark::Touches(solid) => format!("touches {}", solid.name(world)),
+                TraceMark::Seen(car) => format!("comes into the sight of {}", world.vehicles[*car].name),
+                TraceMark::Lost(car) => format!("is lost from the sight of {}", world.vehicles[*car].name),
             });
         }
         let mut row = vec![

@@ -5,8 +5,10 @@ use std::collections::VecDeque;
 use nalgebra::Vector2;
 
 use super::curvature::CurvatureChanges;
+use super::observer::Sighting;
 use super::order::{Order, SpeedPlan};
 use super::road_users::{Driven, Driver};
+use super::solid::Solid;
 use scenario::agent::{
     Command, ControllerError, EgoState, Longitudinal, Mode, Observation, RoadView, Schedule, SeenPedestrian,
     SeenVehicle, Snapshot, VehicleState,
@@ -26,6 +28,8 @@ pub(super) struct Control {
     observation: Observation,
     /// What perception leaves of it, if there is any.
     view: Option<Observation>,
+    /// Whether each of the others is in it, pedestrians first, at the last decision and now; empty where all are seen.
+    in_view: Vec<(bool, bool)>,
     /// What the vehicle does until the next decision takes effect.
     held: Held,
     /// What was decided for later, with the moments (s) from which on it holds, in the order of the decisions.
@@ -101,6 +105,10 @@ impl Control {
         };
         Self {
             observation: observed(),
+            in_view: match driven.perception {
+                Some(_) => vec![(false, false); world.pedestrians.len() + world.vehicles.len()],
+                None => Vec::new(),
+            },
             view: driven.perception.is_some().then(observed),
             kinds: world.pedestrians.iter().map(|setup| setup.kind).collect(),
             held: Held::Command(Command::Acceleration(0.0)),
@@ -327,6 +335,23 @@ impl Control {
         self.observation.ego.speed = self.settling.motion.speed;
         self.observation.ego.acceleration = self.settling.motion.acceleration;
         self.ask(driven).map(drop)
+    }
+
+    /// Tells of those who are in the view of the vehicle `me` now and were not at the decision before, and the other way round.
+    pub fn tell_sightings(&mut self, me: usize, moment: f64, told: &mut Vec<Sighting>) {
+        let Some(view) = &self.view else { return };
+        let people = self.kinds.len();
+        self.in_view.iter_mut().for_each(|(before, now)| (*before, *now) = (*now, false));
+        view.pedestrians.iter().for_each(|seen| self.in_view[seen.id].1 = true);
+        view.vehicles.iter().for_each(|seen| self.in_view[people + seen.id].1 = true);
+        let changed = self.in_view.iter().enumerate().filter(|(_, (before, now))| before != now);
+        told.extend(changed.map(|(index, (_, seen))| {
+            let who = match index.checked_sub(people) {
+                Some(vehicle) => Solid::Vehicle(vehicle),
+                None => Solid::Pedestrian(index),
+            };
+            Sighting { vehicle: me, who, seen: *seen, moment }
+        }));
     }
 
     /// Fills the observation with the states of `now` as the ego sees them.

@@ -8,7 +8,7 @@ use thiserror::Error;
 use super::contact::Contacts;
 use super::control::{Control, TIME_TOLERANCE};
 use super::keep_clear::KeepClear;
-use super::observer::{Ending, Observer, Step, StopReason};
+use super::observer::{Ending, Observer, Sighting, Step, StopReason};
 use super::order::Order;
 use super::road_users::RoadUsers;
 use super::solid::Solid;
@@ -135,6 +135,8 @@ pub struct Course {
     /// `None` where nobody has anything to keep clear of.
     keep_clear: Option<KeepClear>,
     contacts: Contacts,
+    /// Of the step under way.
+    sightings: Vec<Sighting>,
     steps: u64,
     /// The step under way.
     index: u64,
@@ -179,6 +181,7 @@ impl Course {
             vehicle_modes: vec![Mode::NONE; world.vehicles.len()],
             keep_clear: KeepClear::new(&world),
             contacts: Contacts::new(&world),
+            sightings: Vec::new(),
             steps: steps_within(world.horizon, world.step),
             index: 0,
             stage: Stage::Settle,
@@ -328,7 +331,13 @@ impl Course {
             control.take_effect(time);
             if control.is_due(time) {
                 let driven = &mut self.users.vehicles[vehicle];
-                match control.decide(driven, time, vehicle, state, &self.world.road) {
+                let done = control.decide(driven, time, vehicle, state, &self.world.road);
+                control.tell_sightings(
+                    vehicle,
+                    time - self.index as f64 * self.world.step,
+                    &mut self.sightings,
+                );
+                match done {
                     Ok(Some(mode)) => self.vehicle_modes[vehicle] = mode,
                     Ok(None) => self.waiting += 1,
                     Err(error) => return Err(Fault { vehicle, time, error }),
@@ -410,6 +419,7 @@ impl Course {
             vehicle_modes: &self.vehicle_modes,
             motions: &self.motions,
             contacts: self.contacts.found(),
+            sightings: &self.sightings,
         };
         if let Some(moment) = collision {
             // Once in a run, its last step; so it may allocate.
@@ -420,6 +430,7 @@ impl Course {
             return Some(ending);
         }
         observer.observe(&step);
+        self.sightings.clear();
         std::mem::swap(&mut self.now, &mut self.next);
         self.index += 1;
         let reason = if self.is_complete() {

@@ -45,7 +45,7 @@ pub use course::{
 };
 pub use fingerprint::Fingerprint;
 pub use hit::hit_at;
-pub use observer::{Ending, Observer, Step, StopReason};
+pub use observer::{Ending, Observer, Sighting, Step, StopReason};
 pub use order::{LONGEST_PLAN, Order, SpeedPlan, SpeedPlanError, toward};
 pub use road_users::{Driven, Driver, RoadUsers};
 pub use scenario::agent::{

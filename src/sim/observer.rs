@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::contact::Touch;
+use super::solid::Solid;
 use scenario::agent::{Mode, Motion, Snapshot, velocity_inside};
 
 /// Follows a run. Nothing it does can change the run.
@@ -38,6 +39,22 @@ pub struct Step<'a> {
     pub motions: &'a [Motion],
     /// Who touches whom during the step.
     pub contacts: &'a [Touch],
+    /// Who comes into the sight of a vehicle that does not see everything, and who is lost from it, during the step.
+    pub sightings: &'a [Sighting],
+}
+
+/// A vehicle's controller is shown somebody from a decision on whom it was not shown at the one before, or the other way round. With latency that is
+/// later than they came into view.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sighting {
+    /// The index of the vehicle.
+    pub vehicle: usize,
+    /// Whom it is about: another vehicle, or a pedestrian.
+    pub who: Solid,
+    /// Whether they are shown now.
+    pub seen: bool,
+    /// Of the decision, from the beginning of the step on, s.
+    pub moment: f64,
 }
 
 impl Step<'_> {

@@ -56,6 +56,12 @@ pub fn is_hidden(
     covered.count() >= MOST
 }
 
+/// Whether a body covers a part of another from an eye: one of its strips.
+pub fn covers_part(eye: Vector2<f64>, body: &Footprint, other: &Footprint) -> bool {
+    let Some(sight) = (body.centre - eye).try_normalize(0.0) else { return false };
+    STRIPS.iter().any(|share| covers(other, eye, middle_of_strip(body, sight, *share)))
+}
+
 /// Whether a box hides a place from an eye.
 pub fn is_behind_a_box(
     eye: Vector2<f64>,

@@ -62,6 +62,16 @@ pub enum Happening {
         /// How fast the two move against each other, m/s.
         relative_speed: f64,
     },
+    /// A vehicle whose controller does not see everything is shown it.
+    ComesIntoSight {
+        /// What the vehicle is called.
+        of: String,
+    },
+    /// It is not shown it any more.
+    IsLostFromSight {
+        /// What the vehicle is called.
+        of: String,
+    },
     /// A pedestrian begins to touch another, or a box: no collision.
     Touches {
         /// What the other is called.
@@ -196,6 +206,21 @@ impl Timeline {
     }
 }
 
+impl Timeline {
+    fn follow_sightings(&mut self, step: &Step) {
+        for sighting in step.sightings.iter().filter(|sighting| sighting.moment <= step.duration) {
+            let world = self.world.clone();
+            let of = world.vehicles[sighting.vehicle].name.clone();
+            let what = if sighting.seen {
+                Happening::ComesIntoSight { of }
+            } else {
+                Happening::IsLostFromSight { of }
+            };
+            self.add(step.time + sighting.moment, sighting.who.name(&world), what);
+        }
+    }
+}
+
 impl Observer for Timeline {
     fn observe(&mut self, step: &Step) {
         for index in 0..self.world.vehicles.len() {
@@ -210,6 +235,7 @@ impl Observer for Timeline {
                 self.follow_pedestrian(step, index);
             }
         }
+        self.follow_sightings(step);
         self.follow_contacts(step);
     }
 }

@@ -38,6 +38,10 @@ pub enum TraceMark {
     Jumps,
     /// It is the moment at which the road user begins to touch something.
     Touches(Solid),
+    /// The vehicle of this index, which does not see everything, is shown its road user from then on.
+    Seen(usize),
+    /// It is not shown it any more.
+    Lost(usize),
 }
 
 /// Records every state of every road user that is present: after every step, and at every moment inside one at which two
@@ -104,6 +108,24 @@ impl Trace {
         }
     }
 
+    /// Marks the samples of those who come into sight or are lost from it at the beginning of a step, or else within it: the last of each.
+    fn mark_sightings(&mut self, step: &Step, at_the_beginning: bool) {
+        let cars = step.before.vehicles.len();
+        for sighting in step.sightings.iter().filter(|one| (one.moment < SAME) == at_the_beginning) {
+            let who = match sighting.who {
+                Solid::Vehicle(index) => index,
+                Solid::Pedestrian(index) => cars + index,
+                Solid::Box(_) => continue,
+            };
+            if sighting.moment <= step.duration
+                && let Some(index) = self.samples.iter().rposition(|sample| sample.who == who)
+            {
+                let mark = if sighting.seen { TraceMark::Seen } else { TraceMark::Lost };
+                self.marks.push((index, mark(sighting.vehicle)));
+            }
+        }
+    }
+
     /// Marks the samples of the two that touch `moment` s after the beginning of the step, which were the last recorded.
     fn mark_contacts(&mut self, step: &Step, moment: f64) {
         let cars = step.before.vehicles.len();
@@ -140,6 +162,7 @@ impl Observer for Trace {
         };
         let known = self.marks.len();
         self.record_new(step);
+        self.mark_sightings(step, true);
         let mut moments: Vec<f64> =
             step.contacts.iter().filter(|touch| touch.begins).map(|touch| touch.moment).collect();
         moments.sort_by(f64::total_cmp);
@@ -163,6 +186,7 @@ impl Observer for Trace {
                     self.marks.push((index, TraceMark::Jumps));
                 }
             }
+            self.mark_sightings(step, false);
             for moment in moments.into_iter().filter(|moment| step.duration - *moment < SAME) {
                 self.mark_contacts(step, moment);
             }

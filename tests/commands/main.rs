@@ -23,6 +23,7 @@ mod run;
 mod set;
 mod shrink;
 mod sketch;
+mod streets;
 mod summary;
 #[path = "../support/mod.rs"]
 mod support;

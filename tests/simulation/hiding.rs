@@ -10,7 +10,10 @@ use runner::plan::plan;
 use runner::run::road_users;
 use scenario::registry::Registry;
 use scenario::{Chance, CommandKind, ControllerModel, Declaration, World};
-use sim::{Command, Controller, ControllerError, Observation, Observer, Schedule, Snapshot, Step, simulate};
+use sim::{
+    Command, Controller, ControllerError, Happening, Observation, Observer, Schedule, Snapshot, Step,
+    Timeline, Trace, TraceMark, simulate,
+};
 
 /// Who was seen at a moment: whether somebody on foot, and their number.
 type Seen = BTreeMap<(bool, usize), [u64; 4]>;
@@ -117,6 +120,50 @@ fn a_bus_hides_whoever_walks_before_it_until_they_come_out() {
     for through in ["", "sees { occlusion: false }"] {
         let (_, seen, _) = run(&format!("{BUS}\n{}\n{WALKER}", av(through)));
         assert!(sees(&seen, 0).iter().all(|sees| *sees), "{through}");
+    }
+}
+
+/// What timelines and traces say is what the controller is shown, also late.
+#[test]
+fn timelines_and_traces_say_who_comes_into_sight() {
+    for (sees, latency) in [("sees { range: 500 m }", 0), ("sees { range: 500 m, latency: 0.3 s }", 3)] {
+        let users =
+            format!("{BUS}\nvehicle av {{ controller looks; {FAST}; {sees} }}\n{WALKER}\nend on collision");
+        let (world, seen, _) = run(&users);
+        let seen = self::sees(&seen, 0);
+        let changes = (1..seen.len()).filter(|k| seen[*k] != seen[k - 1]).map(|k| (k, seen[k]));
+        let changes: Vec<_> = seen[0].then_some((0, true)).into_iter().chain(changes).collect();
+        assert!(changes.len() >= 2 && changes.iter().all(|(k, _)| *k >= latency), "{changes:?}");
+        let world = Arc::new(world);
+        let mut timeline = Timeline::new(&world);
+        simulate(&world, road_users(&world, 1).unwrap(), &mut timeline).unwrap();
+        let told = timeline.into_events().into_iter().filter(|event| event.who == "walker");
+        let told: Vec<_> = told
+            .filter_map(|event| match event.what {
+                Happening::ComesIntoSight { of } if of == "av" => Some((event.time, true)),
+                Happening::IsLostFromSight { of } if of == "av" => Some((event.time, false)),
+                _ => None,
+            })
+            .collect();
+        let rounded: Vec<_> =
+            told.iter().map(|(time, seen)| ((time * 10.0).round() as usize, *seen)).collect();
+        assert_eq!(rounded, changes, "{sees}");
+        let mut trace = Trace::default();
+        simulate(&world, road_users(&world, 1).unwrap(), &mut trace).unwrap();
+        let marked: Vec<_> = trace
+            .marks
+            .iter()
+            .filter(|(sample, _)| trace.samples[*sample].who == 2)
+            .filter_map(|(sample, mark)| match mark {
+                TraceMark::Seen(1) => Some((trace.samples[*sample].time, true)),
+                TraceMark::Lost(1) => Some((trace.samples[*sample].time, false)),
+                _ => None,
+            })
+            .collect();
+        assert_eq!(marked.len(), told.len());
+        assert!(
+            marked.iter().zip(&told).all(|(one, other)| (one.0 - other.0).abs() < 1e-9 && one.1 == other.1)
+        );
     }
 }
 

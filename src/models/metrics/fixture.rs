@@ -101,6 +101,7 @@ fn observe(world: &World, requests: &[MetricReference], car: &Profile, walk: &Wa
             vehicle_modes: &[Mode::NONE],
             motions: &[],
             contacts: contacts.found(),
+            sightings: &[],
         };
         if let Some(moment) = collision {
             measurement.observe(&Step { duration: moment, after: &step.at(moment), ..step });

@@ -94,7 +94,7 @@ fn ground(ground: &Ground) -> String {
 
 fn sight(world: &World, sight: &Sight) -> String {
     let (car, person) = (&world.vehicles[sight.vehicle], &world.pedestrians[sight.pedestrian].name);
-    let boxes: Vec<&str> = sight.hidden_by.iter().map(|index| Solid::Box(*index).name(world)).collect();
+    let boxes: Vec<&str> = sight.hidden_by.iter().map(|one| one.name(world)).collect();
     let boxes =
         if boxes.iter().all(|name| name.is_empty()) { "a box".to_string() } else { boxes.join(" and ") };
     let until = match sight.clear_from {

@@ -1,4 +1,4 @@
-//! What is known of a world before it runs: who starts where, which boxes hide whom, and who meets whom if all keep their speed.
+//! What is known of a world before it runs: who starts where, and who is hidden from whom and meets whom if all keep their speed.
 
 use nalgebra::Vector2;
 
@@ -7,7 +7,8 @@ use scenario::{
     Appearance, PedestrianContext, PedestrianSetup, Settings, VehicleReference, VehicleSetup, World,
 };
 use sim::geometry::Footprint;
-use sim::{Pedestrian, Solid, VehicleState, beginning, meeting_place, walking_time};
+use sim::sight::{covers_part, is_hidden};
+use sim::{Longitudinal, Pedestrian, Solid, VehicleState, beginning, meeting_place, walking_time};
 
 /// Everything that is known beforehand.
 pub(crate) struct Outlook {
@@ -39,15 +40,15 @@ pub(crate) struct Sight {
     /// Of the sensor, world frame, m.
     pub(crate) from: Vector2<f64>,
     pub(crate) to: Vector2<f64>,
-    /// The boxes between them.
-    pub(crate) hidden_by: Vec<usize>,
+    /// What hides them: boxes and, where they are if all keep their speed, vehicles and people.
+    pub(crate) hidden_by: Vec<Solid>,
     /// From when on nothing is between them any more, if both go on, s; `None`: not before they meet.
     pub(crate) clear_from: Option<f64>,
     /// What this vehicle makes of it.
     pub(crate) kind: SightKind,
 }
 
-/// What a vehicle makes of boxes between it and somebody.
+/// What a vehicle makes of what is between it and somebody.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum SightKind {
     /// They hide others.
@@ -200,7 +201,9 @@ impl Outlook {
             let from = self.sensor(vehicle, ahead, time);
             let to = person.at(time);
             let hides = |index: &usize| boxes[*index].is_crossed(from, to - from);
-            (from, to, (0..boxes.len()).filter(hides).collect::<Vec<_>>())
+            let mut hidden_by: Vec<_> = (0..boxes.len()).filter(hides).map(Solid::Box).collect();
+            hidden_by.extend(self.before(world, (vehicle, pedestrian), (from, to), time, &boxes));
+            (from, to, hidden_by)
         };
         let (from, to, hidden_by) = between(time);
         let met = self
@@ -221,6 +224,36 @@ impl Outlook {
             SightKind::Through
         };
         Some(Sight { vehicle, pedestrian, time, from, to, hidden_by, clear_from, kind })
+    }
+
+    /// Those who would hide somebody at `to` from a vehicle whose sensor is at `from`.
+    fn before(
+        &self,
+        world: &World,
+        (vehicle, pedestrian): (usize, usize),
+        (from, to): (Vector2<f64>, Vector2<f64>),
+        time: f64,
+        boxes: &[Footprint],
+    ) -> Vec<Solid> {
+        let body = Footprint { centre: to, ..self.people[pedestrian].outline };
+        let cars = (0..world.vehicles.len()).filter(|car| *car != vehicle).map(|index| {
+            let car = &self.cars[index];
+            let place = car.motion.travelled + car.motion.speed * time;
+            let motion = Longitudinal { travelled: place, ..car.motion };
+            (Solid::Vehicle(index), Footprint::from(&VehicleState { motion, ..car.clone() }))
+        });
+        let others = self.people.iter().enumerate().filter(|(index, person)| {
+            *index != pedestrian && person.appears.is_some_and(|appears| appears <= time)
+        });
+        let others = others.map(|(index, person)| {
+            (Solid::Pedestrian(index), Footprint { centre: person.at(time), ..person.outline })
+        });
+        let mut movers: Vec<_> = cars.chain(others).collect();
+        if !is_hidden(from, &body, movers.iter().map(|(_, mover)| *mover), boxes.iter().copied()) {
+            return Vec::new();
+        }
+        movers.retain(|(_, mover)| covers_part(from, &body, mover));
+        movers.into_iter().map(|(who, _)| who).collect()
     }
 
     /// Where a vehicle's sensor is after so many seconds at the speed of the start.

@@ -100,7 +100,10 @@ fn whoever_has_a_box_before_them_is_hidden_until_they_have_passed_it() {
     let outlook = Outlook::of(&world, 1);
     let [sight] = &outlook.sights[..] else { panic!() };
     // From the front, 38 m before; the line to (0, -4) goes through the van at x in [-6, -2], y in [-3.9, -2.1].
-    assert_eq!((sight.from, sight.hidden_by.as_slice()), (Vector2::new(-38.0, 0.0), [0].as_slice()));
+    assert_eq!(
+        (sight.from, sight.hidden_by.as_slice()),
+        (Vector2::new(-38.0, 0.0), [Solid::Box(0)].as_slice())
+    );
     assert_eq!(sight.kind, SightKind::Through, "without `sees` it looks through boxes");
     // Clear once the line passes the corner (-2, -2.1): y = -4 + t and the sensor at -38 + 10 t.
     let clear = sight.clear_from.unwrap();
