@@ -133,7 +133,7 @@ fn timelines_and_traces_say_who_comes_into_sight() {
         let seen = self::sees(&seen, 0);
         let changes = (1..seen.len()).filter(|k| seen[*k] != seen[k - 1]).map(|k| (k, seen[k]));
         let changes: Vec<_> = seen[0].then_some((0, true)).into_iter().chain(changes).collect();
-        assert!(changes.len() >= 2 && changes.iter().all(|(k, _)| *k >= latency), "{changes:?}");
+        assert!(!changes.is_empty() && changes.iter().all(|(k, _)| *k >= latency), "{changes:?}");
         let world = Arc::new(world);
         let mut timeline = Timeline::new(&world);
         simulate(&world, road_users(&world, 1).unwrap(), &mut timeline).unwrap();
