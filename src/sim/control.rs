@@ -337,6 +337,12 @@ impl Control {
         self.ask(driven).map(drop)
     }
 
+    /// Whether it may be shown less than everything.
+    #[inline]
+    pub fn looks(&self) -> bool {
+        self.view.is_some()
+    }
+
     /// Tells of those who are in the view of the vehicle `me` now and were not at the decision before, and the other way round.
     pub fn tell_sightings(&mut self, me: usize, moment: f64, told: &mut Vec<Sighting>) {
         let Some(view) = &self.view else { return };

@@ -332,11 +332,10 @@ impl Course {
             if control.is_due(time) {
                 let driven = &mut self.users.vehicles[vehicle];
                 let done = control.decide(driven, time, vehicle, state, &self.world.road);
-                control.tell_sightings(
-                    vehicle,
-                    time - self.index as f64 * self.world.step,
-                    &mut self.sightings,
-                );
+                if control.looks() {
+                    let moment = time - self.index as f64 * self.world.step;
+                    control.tell_sightings(vehicle, moment, &mut self.sightings);
+                }
                 match done {
                     Ok(Some(mode)) => self.vehicle_modes[vehicle] = mode,
                     Ok(None) => self.waiting += 1,
@@ -430,7 +429,9 @@ impl Course {
             return Some(ending);
         }
         observer.observe(&step);
-        self.sightings.clear();
+        if !self.sightings.is_empty() {
+            self.sightings.clear();
+        }
         std::mem::swap(&mut self.now, &mut self.next);
         self.index += 1;
         let reason = if self.is_complete() {

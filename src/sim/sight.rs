@@ -72,7 +72,13 @@ pub fn is_behind_a_box(
 }
 
 /// Whether a pedestrian sees a vehicle, by its index: no box hides its centre, and no others that are longer than [`LOOKED_OVER`] hide most of it.
+#[inline]
 pub fn sees_vehicle(scene: &Scene, vehicle: usize) -> bool {
+    scene.vehicles.len() == 1 && scene.road.boxes.is_empty() || sees_past_others(scene, vehicle)
+}
+
+#[inline(never)]
+fn sees_past_others(scene: &Scene, vehicle: usize) -> bool {
     let hides = |other: usize| other != vehicle && scene.vehicles[other].length > LOOKED_OVER;
     let others = (0..scene.vehicles.len()).filter(|other| hides(*other));
     if scene.road.boxes.is_empty() && others.clone().next().is_none() {

@@ -223,6 +223,8 @@ impl Timeline {
 
 impl Observer for Timeline {
     fn observe(&mut self, step: &Step) {
+        // Before what comes of it at the same moment.
+        self.follow_sightings(step);
         for index in 0..self.world.vehicles.len() {
             self.follow_vehicle(step, index);
         }
@@ -235,7 +237,6 @@ impl Observer for Timeline {
                 self.follow_pedestrian(step, index);
             }
         }
-        self.follow_sightings(step);
         self.follow_contacts(step);
     }
 }

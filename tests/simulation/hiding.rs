@@ -10,8 +10,9 @@ use runner::plan::plan;
 use runner::run::road_users;
 use scenario::registry::Registry;
 use scenario::{Chance, CommandKind, ControllerModel, Declaration, World};
+use sim::sight::sees_vehicle;
 use sim::{
-    Command, Controller, ControllerError, Happening, Observation, Observer, Schedule, Snapshot, Step,
+    Command, Controller, ControllerError, Happening, Observation, Observer, Scene, Schedule, Snapshot, Step,
     Timeline, Trace, TraceMark, simulate,
 };
 
@@ -270,12 +271,32 @@ fn people_remember_a_car_that_they_have_seen() {
   pedestrian walker {{ model commotions {{ variant: oVAoBEvoAI }}; from far side; start 0.6 m from kerb; appears at 3.5 s }}"
         )
     };
-    // It drives between them and the car for a second or so, on the lane of those who come the other way.
-    let passing = "vehicle bus { controller constant_speed; speed 54 km/h; size 12 m x 2.55 m; lane 1; start 75 m before crossing }";
-    let none = "vehicle bus { controller constant_speed; speed 54 km/h; size 12 m x 2.55 m; lane 1; start 900 m before crossing }";
+    // It drives between them and the car, on the lane of those who come the other way: as long as they just look over, and a little longer.
+    let bus = |length: f64| {
+        format!(
+            "vehicle bus {{ controller constant_speed; speed 27 km/h; size {length} m x 2.55 m; lane 1; start 34 m before crossing }}"
+        )
+    };
     let street = "lanes forward, backward; crossing unmarked;";
-    let (_, _, with) = run_on(street, &users(passing));
-    let (_, _, without) = run_on(street, &users(none));
+    let (world, _, with) = run_on(street, &users(&bus(5.6)));
+    let (_, _, without) = run_on(street, &users(&bus(5.5)));
+    let sees = |now: &&Snapshot| {
+        let goal = world.pedestrians[0].goal;
+        let (vehicles, pedestrians) = (now.vehicles.as_slice(), now.pedestrians.as_slice());
+        sees_vehicle(
+            &Scene { time: 0.0, step: 0.025, road: &world.road, me: 0, goal, vehicles, pedestrians },
+            1,
+        )
+    };
+    let present = |now: &&Snapshot| now.pedestrians[0].present && now.vehicles[1].motion.travelled < -3.0;
+    let met: Vec<_> = with.iter().filter(present).collect();
+    let first = met.iter().position(|now| !sees(now)).expect("hidden");
+    let hidden = met.iter().filter(|now| !sees(now)).count();
+    assert!(first > 10 && hidden > 15, "seen for {first} steps, then hidden for {hidden}");
+    // As the car keeps its speed they are right about it, and go on as slowly as if they saw it: else they would be 1 m farther.
+    for (one, other) in with.iter().zip(&without) {
+        assert!((one.pedestrians[0].position - other.pedestrians[0].position).norm() < 0.1);
+    }
     // Before the car they do not step into its lane, whether the bus hides it meanwhile or not.
     for course in [with, without] {
         let in_its_lane = |now: &&Snapshot| now.pedestrians[0].position.y < 1.5;

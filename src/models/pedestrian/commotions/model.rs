@@ -267,6 +267,23 @@ impl Meeting {
         })
     }
 
+    /// As [`Self::approaches`], with a vehicle that is hidden at `time` (s): it is taken to have kept the speed at which it was seen last. `None`
+    /// of one that was never seen, too.
+    #[cold]
+    fn approaches_as_believed(
+        &mut self,
+        me: &PedestrianState,
+        way: Vector2<f64>,
+        vehicle: &VehicleState,
+        time: f64,
+    ) -> Option<Approaches> {
+        let (last, seen) = self.seen?;
+        self.hidden = true;
+        let travelled = seen.travelled + seen.speed * (time - last);
+        let motion = Longitudinal { travelled, acceleration: 0.0, ..seen };
+        self.approaches(me, way, &VehicleState { motion, ..vehicle.clone() })
+    }
+
     /// How the conflict stands at these distances (m) to the conflict point.
     fn conflict(&self, own: f64, other: f64) -> ConflictState {
         if own < -self.own.half_extent || other <= -self.other.half_extent {
@@ -277,12 +294,6 @@ impl Meeting {
             ConflictState::Open
         }
     }
-}
-
-/// A vehicle that is hidden as it is taken to be: so long (s) after it was seen to move like this it has kept its speed.
-fn driven_on(vehicle: &VehicleState, seen: Longitudinal, since: f64) -> VehicleState {
-    let motion = Longitudinal { travelled: seen.travelled + seen.speed * since, acceleration: 0.0, ..seen };
-    VehicleState { motion, ..vehicle.clone() }
 }
 
 /// A pedestrian among vehicles.
@@ -330,26 +341,23 @@ impl Walker {
         };
         let way = me.heading;
         let speed = me.velocity.dot(&way);
+        let might_be_hidden = scene.vehicles.len() > 1 || !scene.road.boxes.is_empty();
         self.sights.clear();
         for (other, (meeting, vehicle)) in self.meetings.iter_mut().zip(scene.vehicles).enumerate() {
-            let believed;
-            let vehicle = if sees_vehicle(scene, other) {
-                meeting.sees(scene.time, vehicle.motion);
-                vehicle
+            let seen = sees_vehicle(scene, other);
+            let approaches = if seen {
+                if might_be_hidden {
+                    meeting.sees(scene.time, vehicle.motion);
+                }
+                meeting.approaches(me, way, vehicle)
             } else {
-                let Some((last, motion)) = meeting.seen else { continue };
-                meeting.hidden = true;
-                believed = driven_on(vehicle, motion, scene.time - last);
-                &believed
+                meeting.approaches_as_believed(me, way, vehicle, scene.time)
             };
-            let Some(Approaches { own, other: state, apart, changed }) = meeting.approaches(me, way, vehicle)
-            else {
-                continue;
-            };
+            let Some(Approaches { own, other: state, apart, changed }) = approaches else { continue };
             if changed {
                 self.agent.meet(other, meeting.own, meeting.other);
             }
-            meeting.moved |= vehicle.motion.speed > 0.0;
+            meeting.moved |= seen && vehicle.motion.speed > 0.0;
             let conflict = meeting.conflict(own.distance, state.distance);
             self.sights.push(Sight { other, path: meeting.path, own, state, apart, conflict });
         }
