@@ -80,6 +80,7 @@ fn observation(pedestrians: usize) -> Observation {
             left_kerb: 2.0,
             gradient: None,
             curvature_ahead: Vec::new(),
+            crossings: Vec::new(),
         },
         pedestrians: (0..pedestrians)
             .map(|id| SeenPedestrian {

@@ -56,7 +56,8 @@ pub fn hover(tree: &Tree, offset: usize, registry: &Registry) -> Option<(Span, S
         None => {
             let (index, block) =
                 path.iter().enumerate().rev().find_map(|(index, node)| Some((index, node.block()?)))?;
-            let known = block.beginning(path.get(index + 1)?.text())?;
+            let said = *path.get(index + 1)?;
+            let known = said.statement_of(block).or_else(|| block.beginning(said.text()))?;
             format!("{}\n\n`{}`", known.doc, known.usage)
         }
     };

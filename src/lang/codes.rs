@@ -243,6 +243,15 @@ codes! {
         "Somebody walks across the road, to `goal 2 m beyond kerb`, or along the lane that is outermost on its side, `walks with traffic` \
          or `walks against traffic`, to `goal 40 m further`. Across the road `meets` finds its own place; along it, `after` says which, \
          and how far beside the lane's centre it walks follows from the share of the vehicle's width.";
+    BadMedian = "E0529", "a median cannot lie there",
+        "`median 2 m after lane 0` is a strip between lane 0 and lane 1, at most as wide as all lanes together; between two lanes \
+         there is one. `with refuge` lets people wait on it who say `waits on refuge`.";
+    UnknownCrossing = "E0532", "the road has no such crossing",
+        "`crosses school` names a crossing that the road calls so: `crossing school zebra { at: 40 m }`. The first crossing of a road has \
+         no name: who says nothing uses that.";
+    NoRefuge = "E0533", "somebody is to wait on a refuge and cannot",
+        "`waits on refuge` needs a refuge on the way, `median 2 m after lane 0 with refuge`, and a model that walks leg by leg: on \
+         each it minds only whom it meets before the next refuge.";
     UnmeantModel = "E0525", "a number with one published value is varied",
         "Some numbers of a model are no free choice. The noise and the filters of `commotions` are per time step, so that with \
          another `dt` than the published one (25 ms for variants with noise, 100 ms for those without) it is another model, \

@@ -13,7 +13,9 @@ pub fn declared(of: Node, registry: &Registry) -> Option<Declaration> {
     }
     ast::HasSettings::cast(of)?;
     let mut words = of.text().split(|c: char| !c.is_ascii_alphanumeric() && c != '_');
-    named(words.next()?, words.next().unwrap_or_default(), registry)
+    let (word, name) = (words.next()?, words.next().unwrap_or_default());
+    // A crossing may have a name of its own before its kind.
+    named(word, name, registry).or_else(|| named(word, words.next()?, registry))
 }
 
 /// What the settings are of in a statement that begins with `word` and `name`.

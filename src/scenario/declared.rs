@@ -110,6 +110,9 @@ pub struct Scenario {
     /// How steep it is and how well tyres hold on it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ground: Option<DeclaredGround>,
+    /// Where the road's other crossings are, in their order.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub other_crossings: Vec<DeclaredPlace>,
     /// In order; their names and those of pedestrians are all different.
     pub vehicles: Vec<Vehicle>,
     /// In order.
@@ -138,6 +141,15 @@ pub struct Scenario {
     #[serde(skip)]
     pub written: BTreeMap<String, Written>,
     /// Where it is declared.
+    pub origin: Origin,
+}
+
+/// Where a crossing is that is not the origin of all places.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct DeclaredPlace {
+    /// Along a straight road from the middle of the first crossing, on a path from its beginning, m.
+    pub at: Expression,
+    /// Where it is written.
     pub origin: Origin,
 }
 
@@ -250,7 +262,13 @@ pub struct DeclaredPedestrian {
     pub side: Side,
     /// Distance of the start from the centre of lane 0 (near) or of the last lane (far), m.
     pub start_from_lane_centre: Expression,
-    /// Place along the road in m; 0 is the middle of the crossing.
+    /// The name of the crossing that they use; `None`: the first.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub crosses: Option<String>,
+    /// Whether they wait on every refuge of their way.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub waits_on_refuges: bool,
+    /// Place along the road in m; 0 is the middle of the crossing that they use.
     pub along: Expression,
     /// Distance of the goal beyond the opposite kerb in m.
     pub goal_beyond_kerb: Expression,

@@ -142,6 +142,12 @@ pub struct PedestrianSetup {
     pub start: Position,
     /// Where they want to go.
     pub goal: Position,
+    /// The middles of refuges on which they wait on their way, in order.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stops: Vec<Position>,
+    /// The number of the crossing that they use, see [`Road::crossings`].
+    #[serde(default, skip_serializing_if = "is_first")]
+    pub crossing: usize,
     /// When they enter the world.
     pub appears: Appearance,
     /// How far ahead of the centre of their footprint the point is that they are measured by, m; negative behind it.
@@ -165,6 +171,10 @@ impl PedestrianSetup {
 
 fn is_zero(number: &f64) -> bool {
     *number == 0.0
+}
+
+fn is_first(crossing: &usize) -> bool {
+    *crossing == 0
 }
 
 /// Builds a controller for a run.
@@ -303,6 +313,8 @@ pub struct PedestrianModel {
     pub is_fixed: fn(&Settings) -> bool,
     /// How far (m) with these settings it keeps clear of boxes and other people, whatever it wants; `None`: it goes where it is told to.
     pub keeps_clear: fn(&Settings) -> Option<f64>,
+    /// Whether it can wait on refuges: on each leg of its way it minds only whom it meets before the leg's end.
+    pub walks_in_legs: bool,
     /// Makes one for a run.
     pub build: BuildPedestrian,
 }
@@ -334,6 +346,7 @@ impl PedestrianModel {
             chance: Chance::Always,
             is_fixed: |_| false,
             keeps_clear: |_| Some(0.0),
+            walks_in_legs: false,
             build: Arc::new(build),
         }
     }
@@ -341,6 +354,11 @@ impl PedestrianModel {
     /// The same, whose parameter sets may come from a population of individuals.
     pub fn with_individuals(self) -> Self {
         Self { takes_individuals: true, ..self }
+    }
+
+    /// The same, which can wait on refuges, see [`Pedestrian::begin_leg`].
+    pub fn in_legs(self) -> Self {
+        Self { walks_in_legs: true, ..self }
     }
 
     /// With what is known of whether it draws; [`Self::new`] takes it that it always may.

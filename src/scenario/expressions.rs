@@ -46,6 +46,8 @@ macro_rules! expressions {
                 shape,
                 side: _,
                 start_from_lane_centre,
+                crosses: _,
+                waits_on_refuges: _,
                 along,
                 goal_beyond_kerb,
                 turned,

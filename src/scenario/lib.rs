@@ -70,9 +70,9 @@ pub use declaration::{
     PresetFamily, Published, SettingError, Text, TextCheck, TextError,
 };
 pub use declared::{
-    DeclaredAppearance, DeclaredFollowing, DeclaredPedestrian, DeclaredShape, DeclaredVehicleStart,
-    Membership, Model, REAR_AXLE, RunBudget, Samples, SamplingScheme, Scenario, Suite, TestedInstead,
-    Variation, Vehicle, WalksAlong,
+    DeclaredAppearance, DeclaredFollowing, DeclaredPedestrian, DeclaredPlace, DeclaredShape,
+    DeclaredVehicleStart, Membership, Model, REAR_AXLE, RunBudget, Samples, SamplingScheme, Scenario, Suite,
+    TestedInstead, Variation, Vehicle, WalksAlong,
 };
 pub use declared_bend::{BendRadius, DeclaredBend, DeclaredPiece, PieceKind, WIDE};
 pub use dimension::Dimension;
@@ -104,7 +104,7 @@ pub use program::{Answer, DeclaredFmu, DeclaredProgram, Delay, ProgramKind, Wire
 pub use program_fault::{FaultKind, ProgramFault};
 pub use rating::{PointsCriterion, Rating, Scoring, TagPoints, Weight, WeightedValues, Weights};
 pub use reference::{Reference, Registered};
-pub use road::{Bend, Body, Crossing, CrossingKind, Lane, Road};
+pub use road::{Bend, Body, Crossing, CrossingKind, Lane, Median, OtherCrossing, Road};
 pub use road_user_kind::RoadUserKind;
 pub use signal::{NOBODY_AT, OBJECT, OBJECTS, SEEN, SignalEntry, input_signals, output_signals};
 pub use statement::{

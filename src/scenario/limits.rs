@@ -37,6 +37,10 @@ pub const BEND_RADIUS: Limit = limit(Dimension::LENGTH, 1.0, 100_000.0);
 pub const BEND_ANGLE: Limit = limit(Dimension::ANGLE, 0.001, 2.0 * std::f64::consts::PI);
 /// From the beginning of a path to the middle of its crossing.
 pub const STATION: Limit = limit(Dimension::LENGTH, 0.0, 100_000.0);
+/// From the middle of the first crossing of a straight road to that of another.
+pub const CROSSING_PLACE: Limit = limit(Dimension::LENGTH, -1000.0, 1000.0);
+/// Of a strip between two lanes.
+pub const MEDIAN: Limit = limit(Dimension::LENGTH, 0.1, 100.0);
 /// Length and width of road users.
 pub const SIZE: Limit = limit(Dimension::LENGTH, 0.1, 30.0);
 /// Of pedestrians that are discs.

@@ -13,6 +13,7 @@ use super::direction::{Direction, Side};
 use super::geometry::{CurvedPath, GeometryError, ReferenceLine};
 use super::ground::Ground;
 use super::path::Path;
+use super::placement::Position;
 
 /// The road as everybody finds it. The world's frame is that of its lane 0: x runs along the lane in its direction of travel, y
 /// to the left, and the origin is the middle of the crossing on the lane's centre line, m.
@@ -28,8 +29,14 @@ pub struct Road {
     pub speed_limit: f64,
     /// Whether a kerb separates carriageway and pavement.
     pub kerbs: bool,
-    /// The one place where pedestrians are meant to cross.
+    /// Strips between its lanes where nobody drives, in the order of the lanes that they follow.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub medians: Vec<Median>,
+    /// Where pedestrians are meant to cross; its middle is the origin of all places.
     pub crossing: Crossing,
+    /// Where else they are.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub other_crossings: Vec<OtherCrossing>,
     /// Parked vehicles and other boxes.
     pub boxes: Vec<Body>,
     /// How it bends; a road without it is straight and endless.
@@ -55,6 +62,28 @@ pub struct Bend {
 pub struct Lane {
     /// Which way its traffic drives.
     pub direction: Direction,
+}
+
+/// A strip between two lanes where nobody drives.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Median {
+    /// It lies between this lane and the next.
+    pub after: usize,
+    /// m
+    pub width: f64,
+    /// Whether people may wait on it.
+    pub refuge: bool,
+}
+
+/// A crossing that is not the origin of all places.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct OtherCrossing {
+    /// As pedestrians say which they use.
+    pub name: String,
+    /// Its middle along the road, 0 being the middle of the first crossing, m.
+    pub along: f64,
+    /// What it is.
+    pub crossing: Crossing,
 }
 
 /// Where pedestrians cross.
@@ -145,7 +174,9 @@ impl Road {
             lanes: lanes.iter().map(|direction| Lane { direction: *direction }).collect(),
             speed_limit,
             kerbs: true,
+            medians: Vec::new(),
             crossing: Crossing { kind: CrossingKind::Zebra, width: 4.0 },
+            other_crossings: Vec::new(),
             boxes: Vec::new(),
             bend: None,
             ground: Ground::default(),
@@ -228,7 +259,72 @@ impl Road {
 
     /// y of a lane's centre line in m.
     fn lane_centre(&self, lane: usize) -> f64 {
-        lane as f64 * self.lane_width
+        self.beyond_medians(lane as f64 * self.lane_width, lane)
+    }
+
+    /// `y` (m) where there is no median, on a lane or beside it.
+    fn beyond_medians(&self, y: f64, lane: usize) -> f64 {
+        // Where there is none, with the bits that this always had.
+        self.medians.iter().filter(|median| median.after < lane).fold(y, |y, median| y + median.width)
+    }
+
+    /// y of the two edges of a median, m.
+    pub fn edges_of(&self, median: &Median) -> (f64, f64) {
+        let near = self.lane_centre(median.after) + self.lane_width / 2.0;
+        (near, near + median.width)
+    }
+
+    /// y of the lines between every two lanes that nothing lies between, m.
+    pub fn lane_lines(&self) -> impl Iterator<Item = f64> {
+        let divided = |lane: usize| self.medians.iter().any(|median| median.after + 1 == lane);
+        (1..self.lanes.len())
+            .filter(move |lane| !divided(*lane))
+            .map(|lane| self.beyond_medians((lane as f64 - 0.5) * self.lane_width, lane))
+    }
+
+    /// The points at which somebody who goes straight from `start` to `goal` is in the middle of a refuge, in the order in which
+    /// they come to them.
+    pub fn refuges_between(&self, start: Position, goal: Position) -> Vec<Position> {
+        let (from, to): (Vector2<f64>, Vector2<f64>) = (start.into(), goal.into());
+        let way = to - from;
+        let middles = self.medians.iter().filter(|median| median.refuge).map(|median| {
+            let (near, far) = self.edges_of(median);
+            (near + far) / 2.0
+        });
+        let met = middles.filter_map(|middle| match &self.bend {
+            None => {
+                let part = (middle - from.y) / way.y;
+                (part > 0.0 && part < 1.0).then_some(part)
+            }
+            Some(bend) => {
+                let line = CurvedPath::beside(bend.line.clone(), middle, Direction::Forward, bend.crossing);
+                let length = way.norm();
+                let met = line.crossings(from, way / length).map(|met| met.distance / length);
+                met.filter(|part| *part > 0.0 && *part < 1.0).min_by(f64::total_cmp)
+            }
+        });
+        let mut parts: Vec<f64> = met.collect();
+        parts.sort_by(f64::total_cmp);
+        // Straight across, the place along the road is kept to the bit.
+        let at = |part: f64| Position { x: from.x + way.x * part, y: from.y + way.y * part };
+        parts.into_iter().map(at).collect()
+    }
+
+    /// The crossings with their places along the road (m); the first is the origin.
+    pub fn crossings(&self) -> impl Iterator<Item = (f64, &Crossing)> {
+        let others = self.other_crossings.iter().map(|other| (other.along, &other.crossing));
+        std::iter::once((0.0, &self.crossing)).chain(others)
+    }
+
+    /// A crossing by its number in [`Self::crossings`], with its place along the road (m).
+    ///
+    /// # Panics
+    /// If there are not so many.
+    pub fn numbered_crossing(&self, number: usize) -> (f64, &Crossing) {
+        match number.checked_sub(1) {
+            None => (0.0, &self.crossing),
+            Some(other) => (self.other_crossings[other].along, &self.other_crossings[other].crossing),
+        }
     }
 
     /// y of the centre line of the lane that is nearest to a side, m.
@@ -243,13 +339,17 @@ impl Road {
     pub fn kerb(&self, side: Side) -> f64 {
         match side {
             Side::Near => -self.lane_width / 2.0,
-            Side::Far => (self.lanes.len() as f64 - 0.5) * self.lane_width,
+            Side::Far => {
+                self.beyond_medians((self.lanes.len() as f64 - 0.5) * self.lane_width, self.lanes.len())
+            }
         }
     }
+}
 
+impl Crossing {
     /// Whether pedestrians have priority at time `time` (s).
     pub fn pedestrian_priority(&self, time: f64) -> bool {
-        match self.crossing.kind {
+        match self.kind {
             CrossingKind::Zebra => true,
             CrossingKind::Unmarked => false,
             CrossingKind::Signalised { cycle, pedestrian_green_from, pedestrian_green } => {
@@ -260,10 +360,30 @@ impl Road {
 }
 
 impl Path {
-    /// y (m) of the kerb to the right and of that to the left of the path, seen from it.
+    /// y (m) of the edge of the carriageway to the right of the path and of that to its left, seen from it: a kerb of the road or a
+    /// median.
     pub fn kerbs(&self, road: &Road) -> (f64, f64) {
+        self.between(road, |_| true)
+    }
+
+    /// y (m) of where people may wait to the right of the path and to its left, seen from it, who cross it: beyond a kerb of the road or
+    /// on a refuge.
+    pub fn waiting_places(&self, road: &Road) -> (f64, f64) {
+        self.between(road, |median| median.refuge)
+    }
+
+    /// y (m) of what is nearest to the right and to the left: a kerb of the road or one of these medians.
+    fn between(&self, road: &Road, counts: impl Fn(&Median) -> bool) -> (f64, f64) {
         let (y, direction) = self.offset_and_direction();
-        let (near, far) = (road.kerb(Side::Near) - y, road.kerb(Side::Far) - y);
+        let (mut near, mut far) = (road.kerb(Side::Near) - y, road.kerb(Side::Far) - y);
+        for median in road.medians.iter().filter(|median| counts(median)) {
+            let (nearer, farther) = road.edges_of(median);
+            if farther <= y {
+                near = near.max(farther - y);
+            } else {
+                far = far.min(nearer - y);
+            }
+        }
         match direction {
             Direction::Forward => (near, far),
             Direction::Backward => (-far, -near),
@@ -292,7 +412,7 @@ mod tests {
         let kind =
             CrossingKind::Signalised { cycle: 60.0, pedestrian_green_from: 50.0, pedestrian_green: 20.0 };
         let road = two_lanes(kind);
-        let at = |time| road.pedestrian_priority(time);
+        let at = |time| road.crossing.pedestrian_priority(time);
         assert_eq!(
             [at(0.0), at(9.9), at(10.0), at(49.9), at(50.0), at(60.0)],
             [true, true, false, false, true, true]

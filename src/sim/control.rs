@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use nalgebra::Vector2;
 
+use super::crossings_ahead::CrossingsAhead;
 use super::curvature::CurvatureChanges;
 use super::observer::Sighting;
 use super::order::{Order, SpeedPlan};
@@ -39,6 +40,8 @@ pub(super) struct Control {
     ground: Option<Ground>,
     /// How its lane bends.
     bends: CurvatureChanges,
+    /// The crossings of its road.
+    crossings: CrossingsAhead,
     /// What its controller is declared to give, where that is known.
     gives: Option<CommandKind>,
     decisions: u64,
@@ -78,6 +81,7 @@ impl Control {
         let (right_kerb, left_kerb) = road.path(setup.lane).kerbs(road);
         let ground = road.ground.towards(road.lanes[setup.lane].direction);
         let bends = CurvatureChanges::new(setup.path(road).curvature_changes());
+        let crossings = CrossingsAhead::new(setup, road);
         let observed = || Observation {
             time: 0.0,
             ego: EgoState {
@@ -94,11 +98,12 @@ impl Control {
                 lane_width: road.lane_width,
                 speed_limit: road.speed_limit,
                 crossing_width: road.crossing.width,
-                pedestrian_priority: road.pedestrian_priority(0.0),
+                pedestrian_priority: road.crossing.pedestrian_priority(0.0),
                 right_kerb,
                 left_kerb,
                 gradient: ground.gradient,
                 curvature_ahead: Vec::with_capacity(bends.most()),
+                crossings: crossings.views(),
             },
             pedestrians: Vec::with_capacity(world.pedestrians.len()),
             vehicles: Vec::with_capacity(world.vehicles.len()),
@@ -116,6 +121,7 @@ impl Control {
             schedule: driven.driver.schedule(),
             ground: Some(ground).filter(|ground| !ground.is_unsaid()),
             bends,
+            crossings,
             gives: setup.controller.model.entry().map(|controller| controller.gives),
             decisions: 0,
             next: 0.0,
@@ -330,8 +336,8 @@ impl Control {
     /// A decision in free flow, `time` (s) being negative: that much before the start.
     fn decide_far_away(&mut self, time: f64, driven: &mut Driven) -> Result<(), ControllerError> {
         self.observation.time = time;
-        self.observation.ego.distance_to_crossing = FAR_AWAY;
         self.observation.ego.travelled = -FAR_AWAY;
+        self.crossings.tell_far_away(FAR_AWAY, &mut self.observation);
         self.observation.ego.speed = self.settling.motion.speed;
         self.observation.ego.acceleration = self.settling.motion.acceleration;
         self.ask(driven).map(drop)
@@ -365,7 +371,6 @@ impl Control {
         let ego = &now.vehicles[me];
         let (seen, kinds) = (&mut self.observation, &self.kinds);
         seen.time = time;
-        seen.ego.distance_to_crossing = -ego.motion.travelled;
         seen.ego.speed = ego.motion.speed;
         seen.ego.acceleration = ego.motion.acceleration;
         seen.ego.travelled = ego.motion.travelled;
@@ -373,7 +378,7 @@ impl Control {
             seen.ego.curvature = ego.path.curvature(ego.motion.travelled);
             self.bends.tell(ego.motion.travelled, seen.ego.curvature, &mut seen.road.curvature_ahead);
         }
-        seen.road.pedestrian_priority = road.pedestrian_priority(time);
+        self.crossings.tell(time, ego.motion.travelled, road, seen);
         seen.pedestrians.clear();
         seen.pedestrians.extend(now.pedestrians.iter().enumerate().filter(|(_, state)| state.present).map(
             |(id, state)| {

@@ -8,6 +8,7 @@ use thiserror::Error;
 use super::contact::Contacts;
 use super::control::{Control, TIME_TOLERANCE};
 use super::keep_clear::KeepClear;
+use super::legs::Legs;
 use super::observer::{Ending, Observer, Sighting, Step, StopReason};
 use super::order::Order;
 use super::road_users::RoadUsers;
@@ -123,6 +124,8 @@ pub struct Course {
     waiting: usize,
     /// Unit vectors from start to goal.
     ways: Vec<Vector2<f64>>,
+    /// Which leg of their way they are on.
+    legs: Vec<Legs>,
     /// The way (m) of each pedestrian across the path of each vehicle, one after the other, where paths bend.
     across: Vec<f64>,
     /// The place at which each pedestrian meets the path of the vehicle that it waits for, m.
@@ -175,6 +178,7 @@ impl Course {
             motions: vec![Motion::Walk(Vector2::zeros()); ways.len()],
             earlier: vec![(Motion::Walk(Vector2::zeros()), 0.0); ways.len()],
             ways,
+            legs: world.pedestrians.iter().map(Legs::new).collect(),
             across: ways_across(&world),
             meetings: world.pedestrians.iter().map(|setup| meeting_place(&world, setup)).collect(),
             pedestrian_modes: vec![Mode::NONE; world.pedestrians.len()],
@@ -352,14 +356,25 @@ impl Course {
         for (index, pedestrian) in self.users.pedestrians.iter_mut().enumerate() {
             if self.now.pedestrians[index].present {
                 self.earlier[index].0 = self.motions[index];
-                self.motions[index] = pedestrian.act(&Scene {
+                let (legs, step) = (&mut self.legs[index], self.world.step);
+                let another = legs.reaches(&self.now.pedestrians[index]);
+                let scene = Scene {
                     time,
-                    step: self.world.step,
+                    step,
                     road: &self.world.road,
+                    crossing: self.world.pedestrians[index].crossing,
                     me: index,
-                    goal: self.world.pedestrians[index].goal,
+                    goal: legs.goal(),
+                    legs: legs.counts(),
                     vehicles: &self.now.vehicles,
                     pedestrians: &self.now.pedestrians,
+                };
+                if another {
+                    pedestrian.begin_leg(&scene);
+                }
+                let motion = pedestrian.act(&scene);
+                self.motions[index] = legs.held(scene.ego(), motion, |state, motion| {
+                    walk(state, motion, self.ways[index], step, step);
                 });
                 self.pedestrian_modes[index] = pedestrian.mode();
             }
@@ -537,16 +552,26 @@ pub fn walking_time(
     let way = way(setup);
     let mut state = PedestrianState { present: true, ..waiting_outside((setup, &way)) };
     let gone = |state: &PedestrianState| (state.position - Vector2::from(setup.start)).dot(&way);
+    let mut legs = Legs::new(setup);
     for index in 0..steps_within(longest, world.step) {
-        let time = index as f64 * world.step;
-        let motion = mind.act(&Scene {
-            time,
+        let another = legs.reaches(&state);
+        let scene = Scene {
+            time: index as f64 * world.step,
             step: world.step,
             road: &world.road,
+            crossing: setup.crossing,
             me: 0,
-            goal: setup.goal,
+            goal: legs.goal(),
+            legs: legs.counts(),
             vehicles: &[],
             pedestrians: &[state],
+        };
+        if another {
+            mind.begin_leg(&scene);
+        }
+        let (time, motion) = (scene.time, mind.act(&scene));
+        let motion = legs.held(scene.ego(), motion, |state, motion| {
+            walk(state, motion, way, world.step, world.step);
         });
         let before = gone(&state);
         walk(&mut state, motion, way, world.step, world.step);

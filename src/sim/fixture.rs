@@ -29,6 +29,8 @@ pub fn world() -> World {
             side: Side::Near,
             start: Position { x: 0.0, y: -4.0 },
             goal: Position { x: 0.0, y: 4.0 },
+            stops: Vec::new(),
+            crossing: 0,
             appears: Appearance::At(0.0),
             reference: 0.0,
         }],

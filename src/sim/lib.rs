@@ -18,6 +18,7 @@
 mod contact;
 mod control;
 mod course;
+mod crossings_ahead;
 mod curvature;
 mod fingerprint;
 /// Worlds and states for tests.
@@ -26,6 +27,7 @@ pub mod fixture;
 pub mod geometry;
 mod hit;
 mod keep_clear;
+mod legs;
 pub mod measure;
 mod observer;
 mod order;
@@ -49,8 +51,8 @@ pub use observer::{Ending, Observer, Sighting, Step, StopReason};
 pub use order::{LONGEST_PLAN, Order, SpeedPlan, SpeedPlanError, toward};
 pub use road_users::{Driven, Driver, RoadUsers};
 pub use scenario::agent::{
-    Command, Controller, ControllerError, Dynamics, EgoState, Longitudinal, Mode, ModelError, Motion,
-    Observation, Pedestrian, PedestrianState, Perception, RoadView, Scene, Schedule, SeenPedestrian,
+    Command, Controller, ControllerError, CrossingView, Dynamics, EgoState, Longitudinal, Mode, ModelError,
+    Motion, Observation, Pedestrian, PedestrianState, Perception, RoadView, Scene, Schedule, SeenPedestrian,
     SeenVehicle, Snapshot, Stated, StatedBy, VehicleState, velocity_inside,
 };
 pub use solid::Solid;

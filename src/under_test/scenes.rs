@@ -4,7 +4,7 @@ use serde_json::{Value as Json, json};
 
 use super::conversation::{AskedDecision, Conversation};
 use scenario::Shape;
-use sim::{EgoState, Observation, RoadView, SeenPedestrian, SeenVehicle};
+use sim::{CrossingView, EgoState, Observation, RoadView, SeenPedestrian, SeenVehicle};
 
 /// Decisions of a scene.
 const TURNS: usize = 40;
@@ -158,6 +158,13 @@ impl Sketch {
                 left_kerb: 6.0,
                 gradient: self.gradient,
                 curvature_ahead: self.bends.iter().map(|(place, bend)| (place + distance, *bend)).collect(),
+                crossings: vec![CrossingView {
+                    distance,
+                    width: 4.0,
+                    pedestrian_priority: !self.is_signalised || !is_green,
+                    right_edge: -2.0,
+                    left_edge: 6.0,
+                }],
             },
             pedestrians: self.people.iter().enumerate().filter(|_| is_there).map(person).collect(),
             vehicles: self.vehicles.iter().enumerate().map(vehicle).collect(),

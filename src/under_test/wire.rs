@@ -6,11 +6,12 @@ use serde_json::{Map, Value as Json, json};
 
 use super::quote::quoted;
 use scenario::{
-    Answer, CrossingKind, ParameterKind, RoadUserKind, Settings, Shape, Value, VehicleSetup, World,
+    Answer, Crossing, CrossingKind, ParameterKind, RoadUserKind, Settings, Shape, Value, VehicleSetup, World,
 };
 use scenario::{FaultKind, ProgramFault};
 use sim::{
-    Command, EgoState, Mode, Observation, Order, RoadView, SeenPedestrian, SeenVehicle, SpeedPlan, toward,
+    Command, CrossingView, EgoState, Mode, Observation, Order, RoadView, SeenPedestrian, SeenVehicle,
+    SpeedPlan, toward,
 };
 
 /// Columns of the rows of runs.
@@ -122,13 +123,17 @@ pub fn opened(run: &Opened) -> Json {
             json!({"x": place.x, "y": place.y, "length": body.length, "width": body.width})
         })
         .collect();
-    let kind = match road.crossing.kind {
+    let kind = |crossing: &Crossing| match crossing.kind {
         CrossingKind::Zebra => "zebra",
         CrossingKind::Unmarked => "unmarked",
         CrossingKind::Signalised { .. } => "signalised",
     };
     let (right, left) = path.kerbs(road);
-    json!({
+    let others = road.other_crossings.iter().map(|other| {
+        let x = path.at_line(other.along);
+        json!({"name": other.name, "kind": kind(&other.crossing), "width": other.crossing.width, "x": x})
+    });
+    let mut opened = json!({
         "slot": slot,
         "seed": seed,
         "step": world.step,
@@ -139,11 +144,15 @@ pub fn opened(run: &Opened) -> Json {
             "lane_width": road.lane_width,
             "speed_limit": road.speed_limit,
             "lanes": lanes,
-            "crossing": {"kind": kind, "width": road.crossing.width, "x": 0.0},
+            "crossing": {"kind": kind(&road.crossing), "width": road.crossing.width, "x": 0.0},
             "kerbs": {"right": right, "left": left},
             "boxes": boxes,
         },
-    })
+    });
+    if !road.other_crossings.is_empty() {
+        opened["road"]["other_crossings"] = others.collect();
+    }
+    opened
 }
 
 fn parameters(settings: &Settings, whole: impl Fn(&str) -> bool) -> Json {
@@ -181,6 +190,12 @@ pub fn scene(asked: &DueDecision) -> Json {
     }
     if let Some(gradient) = road.gradient {
         view.insert("gradient".into(), json!(gradient));
+    }
+    // One at which people wait beyond the kerbs is what the fields above say.
+    let [right, left] = [road.right_kerb, road.left_kerb];
+    let is_all = |one: &CrossingView| (one.right_edge, one.left_edge) == (right, left);
+    if road.crossings.len() > 1 || !road.crossings.iter().all(is_all) {
+        view.insert("crossings".into(), json!(road.crossings));
     }
     if let Some(green) = signal {
         view.insert("signal".into(), json!(green));
@@ -256,6 +271,16 @@ pub fn read_scene(scene: &Json) -> Option<(Observation, bool, Option<bool>)> {
         Some(told) => told.as_array()?.iter().map(change).collect::<Option<_>>()?,
     };
     let distance_to_crossing = number(ego, "distance_to_crossing")?;
+    let crossings: Vec<CrossingView> = match road.get("crossings") {
+        Some(told) => serde_json::from_value(told.clone()).ok()?,
+        None => vec![CrossingView {
+            distance: distance_to_crossing,
+            width: number(road, "crossing_width")?,
+            pedestrian_priority: road.get("pedestrian_priority")?.as_bool()?,
+            right_edge: number(road, "right_kerb")?,
+            left_edge: number(road, "left_kerb")?,
+        }],
+    };
     let seen = Observation {
         time: number(scene, "time")?,
         ego: EgoState {
@@ -278,6 +303,7 @@ pub fn read_scene(scene: &Json) -> Option<(Observation, bool, Option<bool>)> {
             left_kerb: number(road, "left_kerb")?,
             gradient: number(road, "gradient"),
             curvature_ahead,
+            crossings,
         },
         pedestrians: scene.get("pedestrians")?.as_array()?.iter().map(person).collect::<Option<_>>()?,
         vehicles: scene.get("vehicles")?.as_array()?.iter().map(vehicle).collect::<Option<_>>()?,

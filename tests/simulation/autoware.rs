@@ -124,6 +124,8 @@ fn at_side(side: Side) -> PedestrianSetup {
         side,
         start: Position { x: 0.0, y: -4.0 * sign },
         goal: Position { x: 0.0, y: 6.0 * sign },
+        stops: Vec::new(),
+        crossing: 0,
         appears: Appearance::At(0.0),
         reference: 0.0,
     }

@@ -48,6 +48,8 @@ fn encounter(tta: f64, car: &str, agent: &[(&str, Value)], walker: &[(&str, Valu
             side: Side::Near,
             start: Position { x: 0.0, y: -4.0 },
             goal: Position { x: 0.0, y: 7.0 },
+            stops: Vec::new(),
+            crossing: 0,
             appears: Appearance::At(0.0),
             reference: 0.0,
         }],

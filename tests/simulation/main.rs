@@ -14,6 +14,7 @@ mod jaywalker;
 mod keeping_clear;
 mod meetings;
 mod numerics;
+mod refuges;
 mod same_as;
 mod several_others;
 #[path = "../support/mod.rs"]

@@ -74,6 +74,14 @@ pub fn pedestrian(
         Some(said) if said.node.is_far() => Side::Far,
         _ => Side::Near,
     };
+    let crosses = match last(layers, ast::PedestrianBlock::crosses) {
+        Some(said) => road.and_then(|road| crosses(said, road, report)).map(Some),
+        None => Some(None),
+    };
+    let waits = last(layers, ast::PedestrianBlock::waits);
+    if let Some(waits) = waits {
+        waits_on_refuges(waits, found, road, places, report)?;
+    }
     let way = Way::of(layers);
     let fits = way.check(report);
     let start = match last(layers, ast::PedestrianBlock::start) {
@@ -152,6 +160,8 @@ pub fn pedestrian(
         },
         side,
         start_from_lane_centre: start?,
+        crosses: crosses?,
+        waits_on_refuges: waits.is_some(),
         along: along?,
         goal_beyond_kerb: if way.walks.is_some() {
             Expression::number(Defaults::GOAL)
@@ -194,7 +204,7 @@ fn check_way(
     else {
         return Some(());
     };
-    let way = start - road.lane_width / 2.0 + road.lanes.len() as f64 * road.lane_width + goal;
+    let way = start - road.lane_width / 2.0 + (road.kerb(Side::Far) - road.kerb(Side::Near)) + goal;
     if way > 0.0 {
         return Some(());
     }
@@ -204,6 +214,55 @@ fn check_way(
             .hint("a positive distance from the kerb is away from the road"),
     );
     None
+}
+
+/// The name of the crossing that a statement names.
+fn crosses(said: Said<ast::Crosses>, road: &Road, report: &mut Vec<Diagnostic>) -> Option<String> {
+    let name = said.node.name();
+    let names = || road.other_crossings.iter().map(|other| other.name.as_str());
+    if names().any(|known| known == name.text()) {
+        return Some(name.text().to_string());
+    }
+    let message = format!("the road has no crossing called `{}`", name.text());
+    let diagnostic = Diagnostic::new(Code::UnknownCrossing, name.span(), message);
+    report.push(match names().next() {
+        Some(_) => diagnostic.label("not on this road").suggest(name.text(), names()),
+        None => diagnostic
+            .label("not on this road")
+            .hint("say in the road where it is: `crossing school zebra { at: 40 m }`; the first has no name"),
+    });
+    None
+}
+
+/// Whoever waits on refuges is of a model that can, on a road that has one.
+fn waits_on_refuges(
+    said: Said<ast::Waits>,
+    models: &[Arc<PedestrianModel>],
+    road: Option<&Road>,
+    places: &Places,
+    report: &mut Vec<Diagnostic>,
+) -> Option<()> {
+    let mut wrong = |message: String, label: &str, hint: String| {
+        report.push(Diagnostic::new(Code::NoRefuge, said.node.span(), message).label(label).hint(hint));
+        None
+    };
+    if let Some(model) = models.iter().find(|model| !model.walks_in_legs) {
+        let all = places.files.registry.pedestrians().iter().filter(|known| known.walks_in_legs);
+        let able = all.map(|known| format!("`{}`", known.declaration.name)).collect::<Vec<_>>();
+        return wrong(
+            format!("model `{}` waits on no refuge", model.declaration.name),
+            "it walks in one go",
+            format!("models that do are {}", able.join(", ")),
+        );
+    }
+    if road.is_some_and(|road| !road.medians.iter().any(|median| median.refuge)) {
+        return wrong(
+            "the road has no refuge".to_string(),
+            "where?",
+            "give it one between two lanes: `median 2 m after lane 0 with refuge`".to_string(),
+        );
+    }
+    Some(())
 }
 
 /// Two statements that say the same thing in different ways cannot stand together.
@@ -501,6 +560,12 @@ pub fn write_pedestrian(person: &DeclaredPedestrian, out: &mut BlockText) {
     let is_met_along = person.walks.is_some() && matches!(person.appears, DeclaredAppearance::Meets { .. });
     if !is_met_along {
         out.line(&format!("start {} from lane centre", length(&person.start_from_lane_centre)));
+    }
+    if let Some(crossing) = &person.crosses {
+        out.line(&format!("crosses {crossing}"));
+    }
+    if person.waits_on_refuges {
+        out.line("waits on refuge");
     }
     if number_of(&person.along) != 0.0 {
         out.line(&format!("along {}", length(&person.along)));

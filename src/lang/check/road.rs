@@ -15,8 +15,8 @@ use crate::syntax::ast;
 use crate::value::{self, NameScope, Typed, ValueKind};
 use crate::write::{BlockText, constant, quantity};
 use scenario::{
-    Body, Crossing, CrossingKind, Declaration, DeclaredBend, DeclaredGround, Dimension, Direction,
-    Expression, Ground, Lane, Road, Settings, Value, limits,
+    Body, Crossing, CrossingKind, Declaration, DeclaredBend, DeclaredGround, DeclaredPlace, Dimension,
+    Direction, Expression, Ground, Lane, Median, OtherCrossing, Road, Settings, Value, limits, show,
 };
 
 /// A road with what of it may depend on variations.
@@ -24,6 +24,8 @@ pub struct DeclaredRoad {
     pub road: Road,
     pub bend: Option<DeclaredBend>,
     pub ground: Option<DeclaredGround>,
+    /// Of its other crossings, in their order.
+    pub other_crossings: Vec<DeclaredPlace>,
 }
 
 /// The road that a `road_block` describes; `name` is empty for one inside a scenario.
@@ -61,7 +63,7 @@ pub fn road(
         }
     };
     let crossing = match block.crossing() {
-        Some(node) => crossing(node, scope, report).map(|found| (node, found)),
+        Some(node) => crossing(ast::AnyCrossing::Crossing(node), scope, report).map(|found| (node, found)),
         None => {
             missing::<ast::Crossing>(&layers, span, &what, report);
             None
@@ -69,6 +71,10 @@ pub fn road(
     };
     let ground = ground(block, scope, places, written, report);
     let boxes: Vec<_> = block.obstacles().map(|node| bodies(node, scope, report)).collect();
+    let others: Vec<_> =
+        block.other_crossings().map(|node| other_crossing(node, scope, places, written, report)).collect();
+    let others = crossings_named_once(others.into_iter().collect::<Option<Vec<_>>>(), block, report);
+    let medians = medians(block, scope, lanes.as_deref().zip(lane_width), report);
     let pieces = block.path().map(|path| bend::pieces(path, scope, places, written, report));
     let (node, (crossing, at)) = crossing?;
     let bend = match (pieces, at) {
@@ -87,8 +93,11 @@ pub fn road(
             return None;
         }
     };
+    let (other_crossings, places_of_others) = others?.into_iter().unzip();
     let road = Road {
         name: name.to_string(),
+        medians: medians?,
+        other_crossings,
         lane_width: lane_width?,
         lanes: lanes?,
         speed_limit: speed_limit?,
@@ -98,7 +107,112 @@ pub fn road(
         bend: None,
         ground: Ground::default(),
     };
-    Some(DeclaredRoad { road, bend, ground: ground? })
+    Some(DeclaredRoad { road, bend, ground: ground?, other_crossings: places_of_others })
+}
+
+/// The strips between lanes of a road whose lanes and their width (m) are known.
+fn medians(
+    block: ast::RoadBlock,
+    scope: &NameScope,
+    lanes: Option<(&[Lane], f64)>,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Vec<Median>> {
+    let mut found: Vec<Median> = Vec::new();
+    for node in block.medians() {
+        let mut numbers = node.numbers();
+        let (width, after) = (numbers.next()?, numbers.next()?);
+        let limits::Limit { dimension, range } = limits::MEDIAN;
+        let metres = value::constant_in(width, dimension, range, "the width of a median", scope, report)?;
+        let what = "the lane that a median follows";
+        let lane = value::constant_in(after, Dimension::NUMBER, (0.0, 15.0), what, scope, report)?;
+        if lane.fract() != 0.0 {
+            report.push(settings::not_whole(after.span(), what, lane));
+            return None;
+        }
+        let lane = lane as usize;
+        let (lanes, lane_width) = lanes?;
+        let mut wrong = |span: Span, message: String, label: &str, hint: String| {
+            report.push(Diagnostic::new(Code::BadMedian, span, message).label(label).hint(hint));
+            None
+        };
+        if lane + 1 >= lanes.len() {
+            let (message, count) = (format!("there is no lane behind lane {lane}"), lanes.len());
+            let hint = match count {
+                1 => {
+                    "a median lies between two lanes, and the road has one: `lanes forward, backward`".into()
+                }
+                _ => format!("the road has {count} lanes, counted from 0: say `after lane {}`", count - 2),
+            };
+            return wrong(after.span(), message, "nothing to divide", hint);
+        }
+        let carriageway = lanes.len() as f64 * lane_width;
+        if metres > carriageway {
+            let show = |value| show(value, None, Dimension::LENGTH);
+            let message = format!("the median is {} wide, more than all lanes together", show(metres));
+            let hint = format!("the lanes are {} wide together: let it be at most that", show(carriageway));
+            return wrong(width.span(), message, "wider than the road", hint);
+        }
+        if found.iter().any(|other| other.after == lane) {
+            let hint = "say one of them, as wide as both".to_string();
+            return wrong(node.span(), format!("lane {lane} is followed by two medians"), "the second", hint);
+        }
+        found.push(Median { after: lane, width: metres, refuge: node.is_refuge() });
+    }
+    found.sort_by_key(|median| median.after);
+    Some(found)
+}
+
+/// A crossing that is not the origin of all places, and where it is.
+fn other_crossing(
+    node: ast::OtherCrossing,
+    scope: &NameScope,
+    places: &Places,
+    written: &mut Book,
+    report: &mut Vec<Diagnostic>,
+) -> Option<(OtherCrossing, DeclaredPlace)> {
+    let (crossing, at) = crossing(ast::AnyCrossing::OtherCrossing(node), scope, report)?;
+    let name = node.name().text().to_string();
+    let Some(at) = at else {
+        report.push(
+            Diagnostic::new(
+                Code::MissingStatement,
+                node.span(),
+                format!("nobody says where crossing `{name}` is"),
+            )
+            .label("has no `at`")
+            .hint("say how far along the road from the middle of the first crossing, on a `path` from its beginning: `at: 40 m`"),
+        );
+        return None;
+    };
+    written.statement(&format!("road.{name}"), "at", Some(&at), places);
+    let place = DeclaredPlace { origin: places.origin(at.span), at: at.expression };
+    Some((OtherCrossing { name, along: 0.0, crossing }, place))
+}
+
+type Others = Vec<(OtherCrossing, DeclaredPlace)>;
+
+/// Crossings that are called alike could not be told apart.
+fn crossings_named_once(
+    others: Option<Others>,
+    block: ast::RoadBlock,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Others> {
+    let mut names = BTreeSet::new();
+    let twice = block.other_crossings().find(|node| !names.insert(node.name().text()));
+    if let Some(twice) = twice {
+        let name = twice.name();
+        report.push(
+            Diagnostic::new(
+                Code::DuplicateName,
+                name.span(),
+                format!("two crossings of this road are called `{}`", name.text()),
+            )
+            .label("the second")
+            .hint("call it otherwise"),
+        );
+        return None;
+    }
+    others
 }
 
 /// How steep it is and how well tyres hold on it, where that is said; the outer `None`: said wrongly.
@@ -155,7 +269,7 @@ fn lanes(node: ast::Lanes, scope: &NameScope, report: &mut Vec<Diagnostic>) -> O
 
 /// The crossing and, on a path, how far behind its beginning that is.
 fn crossing(
-    node: ast::Crossing,
+    node: ast::AnyCrossing,
     scope: &NameScope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<(Crossing, Option<Typed>)> {
@@ -312,6 +426,7 @@ pub fn write_road(
     road: &Road,
     bend: Option<&DeclaredBend>,
     ground: Option<&DeclaredGround>,
+    other_crossings: &[DeclaredPlace],
     out: &mut BlockText,
 ) {
     out.open("road");
@@ -339,20 +454,14 @@ pub fn write_road(
     if !road.kerbs {
         out.line("no kerbs");
     }
-    let mut width = quantity(road.crossing.width, Dimension::LENGTH);
-    if let Some(bend) = bend {
-        width.push_str(&format!(", at: {}", constant(&bend.crossing, Dimension::LENGTH)));
+    for Median { after, width, refuge } in &road.medians {
+        let refuge = if *refuge { " with refuge" } else { "" };
+        out.line(&format!("median {} after lane {after}{refuge}", quantity(*width, Dimension::LENGTH)));
     }
-    out.line(&match road.crossing.kind {
-        CrossingKind::Zebra => format!("crossing zebra {{ width: {width} }}"),
-        CrossingKind::Unmarked => format!("crossing unmarked {{ width: {width} }}"),
-        CrossingKind::Signalised { cycle, pedestrian_green_from, pedestrian_green } => format!(
-            "crossing signalised {{ width: {width}, cycle: {}, pedestrian_green: {}, pedestrian_green_from: {} }}",
-            quantity(cycle, Dimension::TIME),
-            quantity(pedestrian_green, Dimension::TIME),
-            quantity(pedestrian_green_from, Dimension::TIME),
-        ),
-    });
+    out.line(&crossing_text("", &road.crossing, bend.map(|bend| &bend.crossing)));
+    for (OtherCrossing { name, crossing, .. }, place) in road.other_crossings.iter().zip(other_crossings) {
+        out.line(&crossing_text(name, crossing, Some(&place.at)));
+    }
     for (index, body) in road.boxes.iter().enumerate() {
         let metres = |value| quantity(value, Dimension::LENGTH);
         let name = if body.name.is_empty() { format!("box_{}", index + 1) } else { body.name.clone() };
@@ -365,4 +474,22 @@ pub fn write_road(
         ));
     }
     out.close();
+}
+
+fn crossing_text(name: &str, crossing: &Crossing, at: Option<&Expression>) -> String {
+    let mut width = quantity(crossing.width, Dimension::LENGTH);
+    if let Some(at) = at {
+        width.push_str(&format!(", at: {}", constant(at, Dimension::LENGTH)));
+    }
+    let settings = match crossing.kind {
+        CrossingKind::Zebra => format!("zebra {{ width: {width} }}"),
+        CrossingKind::Unmarked => format!("unmarked {{ width: {width} }}"),
+        CrossingKind::Signalised { cycle, pedestrian_green_from, pedestrian_green } => format!(
+            "signalised {{ width: {width}, cycle: {}, pedestrian_green: {}, pedestrian_green_from: {} }}",
+            quantity(cycle, Dimension::TIME),
+            quantity(pedestrian_green, Dimension::TIME),
+            quantity(pedestrian_green_from, Dimension::TIME),
+        ),
+    };
+    if name.is_empty() { format!("crossing {settings}") } else { format!("crossing {name} {settings}") }
 }

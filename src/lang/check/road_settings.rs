@@ -17,8 +17,10 @@ fn width() -> Parameter {
 }
 
 fn at() -> Parameter {
-    let doc = "Its middle, from the beginning of the road's `path`.";
-    Parameter::optional("at", Dimension::LENGTH, limits::STATION.range, doc, LANGUAGE)
+    let doc = "Its middle: on a `path` from its beginning; of another crossing than the first of a straight road, from the middle of that.";
+    // Which of the two it is, and so its range, is known where the road is.
+    let range = (limits::CROSSING_PLACE.range.0, limits::STATION.range.1);
+    Parameter::optional("at", Dimension::LENGTH, range, doc, LANGUAGE)
 }
 
 pub fn zebra() -> Declaration {

@@ -59,8 +59,12 @@ pub fn scenario(
 
     let mut written = Book::default();
     let road = scenario_road(&chain, &layers, name, places, &mut written, report);
-    let (road, bend, ground) =
-        road.map_or((None, None, None), |DeclaredRoad { road, bend, ground }| (Some(road), bend, ground));
+    let (road, bend, ground, other_crossings) = match road {
+        Some(DeclaredRoad { road, bend, ground, other_crossings }) => {
+            (Some(road), bend, ground, other_crossings)
+        }
+        None => (None, None, None, Vec::new()),
+    };
     let vehicle_groups =
         grouped(&layers, |block| block.vehicles().map(|one| (one.name(), one.block())).collect(), report);
     let pedestrian_groups =
@@ -167,6 +171,7 @@ pub fn scenario(
     if report.len() == before && !broken {
         let mut users = used_variables(bend.as_ref(), ground.as_ref(), &vehicles, &pedestrians, &criteria);
         users.extend(variations.iter().flat_map(Variation::depends_on));
+        users.extend(other_crossings.iter().flat_map(|place| place.at.variables()));
         unused(&layers, &varied, &variations, &users, report);
     }
     Some(Scenario {
@@ -176,6 +181,7 @@ pub fn scenario(
         road: road?,
         bend,
         ground,
+        other_crossings,
         vehicles,
         pedestrians,
         variations,
@@ -559,7 +565,8 @@ pub fn write_scenario(scenario: &Scenario, expect: &[String], remarks: &[String]
     if !scenario.tags.is_empty() {
         out.line(&format!("tags {}", scenario.tags.join(", ")));
     }
-    write_road(&scenario.road, scenario.bend.as_ref(), scenario.ground.as_ref(), &mut out);
+    let (bend, ground) = (scenario.bend.as_ref(), scenario.ground.as_ref());
+    write_road(&scenario.road, bend, ground, &scenario.other_crossings, &mut out);
     if scenario.step != Defaults::STEP {
         out.line(&format!("step {}", quantity(scenario.step, Dimension::TIME)));
     }

@@ -60,6 +60,8 @@ pub enum YamlShape {
     Model,
     /// A mapping of vehicles to names, or to names with settings: `test name { … } as vehicle`
     Tested,
+    /// A mapping of names to names, or to names with settings: `crossing school zebra { … }`
+    NamedModels,
     /// A mapping of names to settings: `box van { … }`
     NamedSettings,
     /// `sees { … }`

@@ -198,7 +198,11 @@ fn what_gives_names_has_one() {
 
 /// A scenario with a road user of each kind; in the block of a kind `said` stands in place of what says the same there.
 fn with(kind: BlockKind, said: &str) -> String {
-    let words = kind.block().beginning(said).expect("it is one of its statements").words;
+    let words = match said {
+        // Beside the first, which has no name.
+        other if other.starts_with("crossing school") => "another crossing",
+        _ => kind.block().beginning(said).expect("it is one of its statements").words,
+    };
     let other = match words {
         "radius" => "size",
         "runs" => "repeat",
@@ -217,7 +221,12 @@ fn with(kind: BlockKind, said: &str) -> String {
         BlockKind::Road,
         &["lanes forward, forward", "lane_width 3.5 m", "speed_limit 50 km/h", "crossing unmarked"],
     );
-    let road = format!("road {{ {road} }}");
+    let needed = match said {
+        "crosses school" => "; crossing school zebra { at: 40 m }",
+        "waits on refuge" => "; median 2 m after lane 0 with refuge",
+        _ => "",
+    };
+    let road = format!("road {{ {road}{needed} }}");
     let car = block(
         BlockKind::Vehicle,
         &["controller carla_behavior", "speed 30 km/h", "start 60 m before crossing"],

@@ -81,6 +81,7 @@ fn value(statement: &StatementEntry, registry: &Registry) -> Value {
         YamlShape::Statements => list_of(&json!({ "type": "string" })),
         YamlShape::Model => model(statement.word(), registry),
         YamlShape::Tested => mapping_of(&model(statement.word(), registry)),
+        YamlShape::NamedModels => mapping_of(&model(statement.word(), registry)),
         YamlShape::NamedSettings => mapping_of(&own_settings(statement, registry)),
         YamlShape::Settings => own_settings(statement, registry),
         YamlShape::Values => mapping_of(&one_or_several(&words())),

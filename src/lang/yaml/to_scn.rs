@@ -246,6 +246,15 @@ impl Writer<'_> {
                     });
                 }
             }
+            YamlShape::NamedModels => {
+                for (user, model) in self.fields(value, &format!("`{key}`")) {
+                    self.said(name, keyword, |writer| {
+                        writer.name(user);
+                        writer.text.push(' ');
+                        writer.model(model);
+                    });
+                }
+            }
             YamlShape::NamedSettings => {
                 for (user, settings) in self.fields(value, &format!("`{key}`")) {
                     self.said(name, keyword, |writer| {

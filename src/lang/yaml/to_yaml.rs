@@ -195,6 +195,19 @@ fn write(statement: &StatementEntry, statements: &[Node], depth: usize, out: &mu
                 line(depth + 1, &format!("{vehicle}: {said}"), out);
             }
         }
+        YamlShape::NamedModels => {
+            line(depth, &format!("{key}:"), out);
+            for node in statements {
+                let user = name(*node);
+                let words = rest(*node, keyword);
+                let model = words[user.len()..].trim_start().split(['{', ' ']).next().unwrap_or_default();
+                let said = match settings_of(*node) {
+                    Some(given) => format!("{{ {model}: {} }}", settings(Some(given))),
+                    None => model.to_string(),
+                };
+                line(depth + 1, &format!("{user}: {said}"), out);
+            }
+        }
         YamlShape::NamedSettings => {
             line(depth, &format!("{key}:"), out);
             for node in statements {

@@ -44,8 +44,16 @@ pub fn scripted() -> PedestrianModel {
             "Time that it stands there before it walks on; without it, it stays.",
             FREE,
         ),
+        Parameter::optional(
+            "wait_on_refuge",
+            Dimension::TIME,
+            (0.0, 600.0),
+            "Time that it stands on every refuge of its way, if it waits on refuges.",
+            FREE,
+        ),
     ]);
     PedestrianModel::new(declaration, build)
+        .in_legs()
         .chance(Chance::Never)
         .fixed(|settings| settings.optional_number("keeps_clear").is_none())
         .told_where_to_go()
@@ -59,6 +67,7 @@ struct Scripted {
     /// When it set off, s; `None` while it stands.
     set_off: Option<f64>,
     stop_for: f64,
+    wait_on_refuge: f64,
     /// Distance left until it stops, m; infinite when it will not stop (again).
     left: f64,
     /// When it may walk, s; `None` before its first step.
@@ -75,12 +84,26 @@ fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError>
             "add `stop_after: 2 m`",
         ));
     }
+    let wait_on_refuge = settings.optional_number("wait_on_refuge");
+    if wait_on_refuge.is_none() && !context.setup.stops.is_empty() {
+        return Err(ModelError::with_hint(
+            "`scripted` waits on a refuge, but nothing says how long",
+            "add `wait_on_refuge: 2 s`",
+        ));
+    }
+    if wait_on_refuge.is_some() && context.setup.stops.is_empty() {
+        return Err(ModelError::with_hint(
+            "`wait_on_refuge` of `scripted` says how long it waits on a refuge, but it waits on none",
+            "let the pedestrian say `waits on refuge`",
+        ));
+    }
     Ok(Box::new(Scripted {
         speed: settings.number("speed"),
         delay: settings.number("delay"),
         acceleration_way: settings.optional_number("acceleration_way"),
         set_off: None,
         stop_for: settings.optional_number("stop_for").unwrap_or(f64::INFINITY),
+        wait_on_refuge: wait_on_refuge.unwrap_or(0.0),
         left: stop_after.unwrap_or(f64::INFINITY),
         walks_from: None,
         mode: "waiting",
@@ -120,6 +143,11 @@ impl Scripted {
 const TIME_TOLERANCE: f64 = 1e-9;
 
 impl Pedestrian for Scripted {
+    fn begin_leg(&mut self, scene: &Scene) {
+        self.walks_from = Some(scene.time + self.wait_on_refuge);
+        (self.set_off, self.mode) = (None, "on_refuge");
+    }
+
     fn act(&mut self, scene: &Scene) -> Motion {
         let ego = scene.ego();
         let mut walks_from = *self.walks_from.get_or_insert(scene.time + self.delay);

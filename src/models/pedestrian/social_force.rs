@@ -151,7 +151,7 @@ pub fn social_force() -> PedestrianModel {
             "form of the paper's fluctuations by our choice",
         ),
     ]);
-    PedestrianModel::new(declaration, build).chance(Chance::If(|settings| {
+    PedestrianModel::new(declaration, build).in_legs().chance(Chance::If(|settings| {
         let drawn_speed = settings.optional_number("desired_speed").is_none()
             && settings.number("desired_speed_deviation") > 0.0;
         drawn_speed || settings.number("noise") > 0.0
@@ -288,7 +288,9 @@ impl Pedestrian for SocialForce {
         }
         let ego = scene.ego();
         let to_goal = Vector2::new(scene.goal.x, scene.goal.y) - ego.position;
-        let Some(way) = to_goal.try_normalize(ARRIVAL) else {
+        // A leg ends on the refuge itself.
+        let arrival = if scene.goes_on() { 0.0 } else { ARRIVAL };
+        let Some(way) = to_goal.try_normalize(arrival) else {
             self.mode = "finished";
             return still;
         };

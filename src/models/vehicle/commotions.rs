@@ -117,7 +117,7 @@ impl Seen {
         let approach = Approach::seen(pedestrian, direction);
         Self {
             direction,
-            line: position.x - ego.distance_to_crossing,
+            line: position.x + ego.travelled,
             ahead: position.x,
             state: approach.into(),
             now: true,
@@ -164,7 +164,7 @@ impl Driver {
     fn look(&mut self, observation: &Observation) {
         let ego = &observation.ego;
         for seen in self.meetings.iter_mut().filter_map(|meeting| meeting.seen.as_mut()) {
-            seen.ahead = seen.line + ego.distance_to_crossing;
+            seen.ahead = seen.line - ego.travelled;
             seen.now = false;
         }
         for pedestrian in &observation.pedestrians {

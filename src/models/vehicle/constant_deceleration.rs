@@ -65,7 +65,7 @@ impl Controller for ConstantDeceleration {
         let ego = &observation.ego;
         self.braking = self.braking
             || observation.time >= self.time - 1e-9
-            || ego.distance_to_crossing - ego.length / 2.0 <= self.distance;
+            || -ego.travelled - ego.length / 2.0 <= self.distance;
         Ok(Command::Acceleration(if self.braking {
             -self.deceleration
         } else {

@@ -299,7 +299,7 @@ impl Blur {
 impl Perceiving {
     /// Takes down what is perceived now.
     fn note(&mut self, observation: &Observation) {
-        let ego = Vector2::new(-observation.ego.distance_to_crossing, 0.0);
+        let ego = Vector2::new(observation.ego.travelled, 0.0);
         let ahead = observation.ego.length / 2.0 - self.sight.setback;
         self.newest = (self.newest + 1) % self.frames.len();
         let frame = &mut self.frames[self.newest];
@@ -350,11 +350,13 @@ impl Perception for Perceiving {
         view.cruise_speed = seen.cruise_speed;
         let mut curvature_ahead = std::mem::take(&mut view.road.curvature_ahead);
         curvature_ahead.clone_from(&seen.road.curvature_ahead);
-        view.road = RoadView { curvature_ahead, ..seen.road };
+        let mut crossings = std::mem::take(&mut view.road.crossings);
+        crossings.clone_from(&seen.road.crossings);
+        view.road = RoadView { curvature_ahead, crossings, ..seen.road };
         view.pedestrians.clear();
         view.vehicles.clear();
         if let Some(frame) = self.known(seen.time) {
-            let ego = Vector2::new(-seen.ego.distance_to_crossing, 0.0);
+            let ego = Vector2::new(seen.ego.travelled, 0.0);
             let pedestrians = frame.pedestrians.iter();
             view.pedestrians
                 .extend(pedestrians.map(|seen| SeenPedestrian { position: seen.position - ego, ..*seen }));

@@ -121,6 +121,7 @@ impl Track {
         let seen = &mut self.observation;
         seen.time = self.time;
         seen.ego.distance_to_crossing = self.crossing - self.motion.travelled;
+        seen.ego.travelled = self.motion.travelled - self.crossing;
         seen.ego.speed = self.motion.speed;
         seen.ego.acceleration = self.motion.acceleration;
         let origin = Vector2::new(self.motion.travelled, 0.0);
@@ -199,6 +200,8 @@ pub fn walker() -> PedestrianSetup {
         side: Side::Near,
         start: Position { x: 0.0, y: -4.0 },
         goal: Position { x: 0.0, y: 6.0 },
+        stops: Vec::new(),
+        crossing: 0,
         appears: Appearance::At(0.0),
         reference: 0.0,
     }

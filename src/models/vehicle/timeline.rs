@@ -37,7 +37,8 @@ pub fn timeline() -> ControllerModel {
 }
 
 /// `distance`: from the front bumper along the road to the near edge of the nearest pedestrian ahead.
-/// `distance_to_crossing`: of the front. `time_to_arrival`: of the centre at the middle of the crossing.
+/// `distance_to_crossing`: of the front. `time_to_arrival`: of the centre at the middle of the crossing. Of several crossings it is the
+/// first of the road.
 const QUANTITIES: &[ScriptQuantity] = &[
     ("distance", Dimension::LENGTH),
     ("distance_to_crossing", Dimension::LENGTH),
@@ -77,9 +78,9 @@ fn quantity(observation: &Observation, index: usize) -> f64 {
             .map(|seen| seen.position.x - ego.length / 2.0 - half_size(seen.shape))
             .filter(|distance| *distance >= 0.0)
             .fold(f64::INFINITY, f64::min),
-        "distance_to_crossing" => ego.distance_to_crossing - ego.length / 2.0,
-        "time_to_arrival" if ego.speed > 0.0 => ego.distance_to_crossing / ego.speed,
-        "time_to_arrival" => f64::INFINITY.copysign(ego.distance_to_crossing),
+        "distance_to_crossing" => -ego.travelled - ego.length / 2.0,
+        "time_to_arrival" if ego.speed > 0.0 => -ego.travelled / ego.speed,
+        "time_to_arrival" => f64::INFINITY.copysign(-ego.travelled),
         _ => ego.speed,
     }
 }

@@ -193,16 +193,27 @@ impl Yielding {
         (observation.road.right_kerb..=observation.road.left_kerb).contains(&seen.position.y)
     }
 
-    /// Whether somebody is at the crossing whom it gives way to.
-    fn must_yield(&self, observation: &Observation) -> bool {
+    /// The crossing that it stops at: of those that it has not left behind the first at which somebody is whom it gives way to, else
+    /// the next; and whether it gives way there.
+    fn stops_at(&self, observation: &Observation) -> (Ahead, bool) {
+        let next = Ahead::next(observation);
+        let mut ahead = Ahead::all(observation).filter(|crossing| crossing.distance >= next.distance);
+        let met = match observation.road.crossings.len() {
+            0 | 1 => Some(next).filter(|crossing| self.must_yield(observation, crossing)),
+            _ => ahead.find(|crossing| self.must_yield(observation, crossing)),
+        };
+        (met.unwrap_or(next), met.is_some())
+    }
+
+    /// Whether somebody is at a crossing whom it gives way to.
+    fn must_yield(&self, observation: &Observation, crossing: &Ahead) -> bool {
         let road = &observation.road;
-        if self.requires_priority && !road.pedestrian_priority {
+        if self.requires_priority && !crossing.pedestrian_priority {
             return false;
         }
         observation.pedestrians.iter().any(|seen| {
-            let beside = (seen.position.x - observation.ego.distance_to_crossing).abs()
-                - road.crossing_width / 2.0
-                - self.along_margin;
+            let beside =
+                (seen.position.x - crossing.distance).abs() - crossing.width / 2.0 - self.along_margin;
             let y = seen.position.y;
             let near_kerb = y >= road.right_kerb - self.kerb_distance;
             let far_kerb = y <= road.left_kerb + if self.far_kerb { self.kerb_distance } else { 0.0 };
@@ -232,6 +243,36 @@ impl Yielding {
     }
 }
 
+/// A crossing as it looks at it.
+#[derive(Debug, Clone, Copy)]
+struct Ahead {
+    /// From the vehicle's centre to its middle, m.
+    distance: f64,
+    /// m
+    width: f64,
+    pedestrian_priority: bool,
+}
+
+impl Ahead {
+    /// The first that is not left behind, or the last.
+    fn next(observation: &Observation) -> Self {
+        let road = &observation.road;
+        Self {
+            distance: observation.ego.distance_to_crossing,
+            width: road.crossing_width,
+            pedestrian_priority: road.pedestrian_priority,
+        }
+    }
+
+    fn all(observation: &Observation) -> impl Iterator<Item = Self> {
+        observation.road.crossings.iter().map(|view| Self {
+            distance: view.distance,
+            width: view.width,
+            pedestrian_priority: view.pedestrian_priority,
+        })
+    }
+}
+
 impl Controller for Yielding {
     fn schedule(&self) -> Schedule {
         Schedule::every(self.period)
@@ -241,10 +282,8 @@ impl Controller for Yielding {
         self.follow(observation);
         self.update_patience(observation);
         let ego = &observation.ego;
-        let line = ego.distance_to_crossing
-            - ego.length / 2.0
-            - observation.road.crossing_width / 2.0
-            - self.stop_distance;
+        let (crossing, yields) = self.stops_at(observation);
+        let line = crossing.distance - ego.length / 2.0 - crossing.width / 2.0 - self.stop_distance;
         // Once the front is past the line by more than rounding, stopping before it is over.
         let needed = if line > 0.0 {
             ego.speed * ego.speed / (2.0 * line)
@@ -253,7 +292,6 @@ impl Controller for Yielding {
         } else {
             f64::INFINITY
         };
-        let yields = self.must_yield(observation);
         let limit = if self.stopping { self.emergency_deceleration } else { self.max_deceleration };
         if yields && needed <= limit {
             self.stopping = self.stopping || needed >= self.deceleration || ego.speed == 0.0;

@@ -27,7 +27,12 @@ pub(crate) fn facts(world: &World, outlook: &Outlook) -> Vec<String> {
         });
         let kind =
             if setup.kind.is_pedestrian() { String::new() } else { format!("{}, ", setup.kind.word()) };
-        lines.push(format!("{}: {kind}{appears}, {pace}", setup.name));
+        let waits = match setup.stops.len() {
+            0 => "",
+            1 => "; waits on a refuge, for which no time is taken here",
+            _ => "; waits on refuges, for which no time is taken here",
+        };
+        lines.push(format!("{}: {kind}{appears}, {pace}{waits}", setup.name));
     }
     lines.push("If all keep their speed:".to_string());
     if outlook.meetings.is_empty() {
@@ -60,11 +65,20 @@ pub(crate) fn facts(world: &World, outlook: &Outlook) -> Vec<String> {
 
 fn road(world: &World) -> String {
     let road = &world.road;
-    let kind = match road.crossing.kind {
-        CrossingKind::Zebra => "zebra",
-        CrossingKind::Unmarked => "crossing without marks",
-        CrossingKind::Signalised { .. } => "crossing with signals",
-    };
+    let crossings = road.crossings().map(|(along, crossing)| {
+        let kind = match crossing.kind {
+            CrossingKind::Zebra => "zebra",
+            CrossingKind::Unmarked => "crossing without marks",
+            CrossingKind::Signalised { .. } => "crossing with signals",
+        };
+        let place = if along == 0.0 { String::new() } else { format!(" at {along:.1} m") };
+        format!("{kind} of {:.1} m{place}", crossing.width)
+    });
+    let crossings: Vec<_> = crossings.collect();
+    let medians = road.medians.iter().map(|median| {
+        let kind = if median.refuge { "refuge" } else { "median" };
+        format!("; {kind} of {:.1} m after lane {}", median.width, median.after)
+    });
     let lanes = road.lanes.iter().map(|lane| match lane.direction {
         Direction::Forward => "forward",
         Direction::Backward => "backward",
@@ -75,11 +89,12 @@ fn road(world: &World) -> String {
         Some(bend) => format!("bent road of {:.1} m", bend.line.length()),
     };
     format!(
-        "{shape}{}, lanes of {:.2} m from near to far: {}; {kind} of {:.1} m",
+        "{shape}{}, lanes of {:.2} m from near to far: {}{}; {}",
         ground(&road.ground),
         road.lane_width,
         lanes.join(", "),
-        road.crossing.width
+        medians.collect::<String>(),
+        crossings.join("; ")
     )
 }
 

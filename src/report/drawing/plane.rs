@@ -12,6 +12,8 @@ pub(crate) enum MarkKind {
     Kerb,
     /// Between two lanes.
     Lane,
+    /// A strip between two lanes where nobody drives.
+    Median,
     /// Of a zebra.
     Stripe,
     /// The outline of a crossing without stripes.
@@ -27,6 +29,7 @@ impl MarkKind {
             Self::Road => "road",
             Self::Kerb => "kerb",
             Self::Lane => "lane",
+            Self::Median => "median",
             Self::Stripe => "stripe",
             Self::Edge => "edge",
             Self::Block => "block",

@@ -23,32 +23,37 @@ pub(crate) fn road_marks(road: &Road, from: f64, to: f64) -> Vec<Mark> {
     };
     let mut marks = vec![band(MarkKind::Road, (near, far), (from, to))];
     marks.extend([near, far].map(|offset| Mark::line(MarkKind::Kerb, beside(road, offset, from, to))));
-    for lane in 1..road.lanes.len() {
-        let between = (lane as f64 - 0.5) * road.lane_width;
-        marks.push(Mark::line(MarkKind::Lane, beside(road, between, from, to)));
-    }
-    let half = road.crossing.width / 2.0;
-    // Lines between lanes end at it.
-    marks.push(band(MarkKind::Road, (near + 0.1, far - 0.1), (-half, half)));
-    if road.crossing.kind == CrossingKind::Zebra {
-        let mut low = near + STRIPES / 4.0;
-        while low + STRIPES / 2.0 <= far {
-            marks.push(band(MarkKind::Stripe, (low, low + STRIPES / 2.0), (-half, half)));
-            low += STRIPES;
+    marks.extend(road.lane_lines().map(|line| Mark::line(MarkKind::Lane, beside(road, line, from, to))));
+    marks.extend(road.medians.iter().map(|median| band(MarkKind::Median, road.edges_of(median), (from, to))));
+    for (middle, crossing) in road.crossings() {
+        let ends = (middle - crossing.width / 2.0, middle + crossing.width / 2.0);
+        // Lines between lanes end at it.
+        marks.push(band(MarkKind::Road, (near + 0.1, far - 0.1), ends));
+        if crossing.kind == CrossingKind::Zebra {
+            let mut low = near + STRIPES / 4.0;
+            while low + STRIPES / 2.0 <= far {
+                marks.push(band(MarkKind::Stripe, (low, low + STRIPES / 2.0), ends));
+                low += STRIPES;
+            }
+        } else {
+            marks.push(band(MarkKind::Edge, (near, far), ends));
         }
-    } else {
-        marks.push(band(MarkKind::Edge, (near, far), (-half, half)));
+        // On a refuge nobody drives, and people stand.
+        let refuges = road.medians.iter().filter(|median| median.refuge);
+        marks.extend(refuges.map(|median| band(MarkKind::Median, road.edges_of(median), ends)));
     }
     marks.extend(road.boxes.iter().map(|body| Mark::area(MarkKind::Block, corners(&Footprint::from(body)))));
     marks
 }
 
-/// The outline of the crossing, from kerb to kerb.
-pub(crate) fn crossing_area(road: &Road) -> Vec<Vector2<f64>> {
-    let half = road.crossing.width / 2.0;
-    let mut points = beside(road, road.kerb(Side::Near), -half, half);
-    points.extend(beside(road, road.kerb(Side::Far), -half, half).into_iter().rev());
-    points
+/// The outline of each crossing, from kerb to kerb.
+pub(crate) fn crossing_areas(road: &Road) -> impl Iterator<Item = Vec<Vector2<f64>>> {
+    road.crossings().map(|(middle, crossing)| {
+        let (from, to) = (middle - crossing.width / 2.0, middle + crossing.width / 2.0);
+        let mut points = beside(road, road.kerb(Side::Near), from, to);
+        points.extend(beside(road, road.kerb(Side::Far), from, to).into_iter().rev());
+        points
+    })
 }
 
 /// The line at a constant distance (m, to the left) of the centre line of lane 0, between two lines across the road.

@@ -130,15 +130,20 @@ impl Sketch {
 
 fn arrows(world: &World, frame: &Frame, (from, to): (f64, f64)) -> Vec<(Vector2<f64>, Vector2<f64>)> {
     let mut arrows = Vec::new();
-    let clear = world.road.crossing.width / 2.0 + 2.0;
     for lane in 0..world.road.lanes.len() {
         let path = world.road.path(lane);
+        let on_a_crossing = |place: f64| {
+            world
+                .road
+                .crossings()
+                .any(|(along, crossing)| (place - path.at_line(along)).abs() <= crossing.width / 2.0 + 2.0)
+        };
         let reach = from.abs().max(to.abs());
         let count = (reach / ARROWS).ceil() as i32;
         for index in -count..=count {
             let (point, heading) = path.pose(ARROWS * (f64::from(index) + 0.5));
             let place = ARROWS * (f64::from(index) + 0.5);
-            if place.abs() > clear && frame.holds(point) {
+            if !on_a_crossing(place) && frame.holds(point) {
                 arrows.push((point, heading));
             }
         }

@@ -4,7 +4,7 @@ use nalgebra::Vector2;
 
 use super::picture::{Picture, Sketch};
 use super::plane::{Frame, MarkKind, corners};
-use super::road::{crossing_area, road_marks};
+use super::road::{crossing_areas, road_marks};
 use files::escape::terminal_line;
 use scenario::World;
 
@@ -199,7 +199,9 @@ fn arrow(heading: Vector2<f64>) -> char {
 fn draw(sketch: &Sketch, world: &World, picture: &Picture, columns: usize, rows: usize) -> Canvas {
     let mut canvas = Canvas::new(sketch.frame, columns, rows);
     let marks = road_marks(&world.road, sketch.reach.0, sketch.reach.1);
-    canvas.fill(&crossing_area(&world.road), '░');
+    for crossing in crossing_areas(&world.road) {
+        canvas.fill(&crossing, '░');
+    }
     let of = |kind: MarkKind| marks.iter().filter(move |mark| mark.kind == kind);
     for lane in of(MarkKind::Lane) {
         let columns = canvas.columns;
@@ -208,6 +210,10 @@ fn draw(sketch: &Sketch, world: &World, picture: &Picture, columns: usize, rows:
             let dash = !(cell / columns + cell % columns).is_multiple_of(3);
             (dash && crossing[cell] == ' ').then(|| stroke(way))
         });
+    }
+    for median in of(MarkKind::Median) {
+        let (one, other) = median.points.split_at(median.points.len() / 2);
+        [one, other].iter().for_each(|edge| canvas.line(edge, |way, _| Some(stroke(way))));
     }
     for kerb in of(MarkKind::Kerb) {
         canvas.line(&kerb.points, |way, _| Some(stroke(way)));

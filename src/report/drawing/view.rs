@@ -16,7 +16,7 @@ const NEAR_BOXES: f64 = 30.0;
 /// On every side, m.
 const ROOM: f64 = 2.5;
 
-/// What matters of a world: the crossing, starts and goals of people, boxes near it, vehicles (`cars`) and other `places` that are
+/// What matters of a world: the crossings that people use, starts and goals of people, boxes near it, vehicles (`cars`) and other `places` that are
 /// not too far away.
 pub(crate) fn view(
     world: &World,
@@ -24,9 +24,16 @@ pub(crate) fn view(
     places: impl IntoIterator<Item = Vector2<f64>>,
 ) -> Frame {
     let road = &world.road;
-    let half = road.crossing.width / 2.0 + 4.0;
-    let mut points = beside(road, road.kerb(Side::Near), -half, half);
-    points.extend(beside(road, road.kerb(Side::Far), -half, half));
+    let mut used: Vec<usize> = world.pedestrians.iter().map(|person| person.crossing).collect();
+    used.sort_unstable();
+    used.dedup();
+    let mut points = Vec::new();
+    for number in if used.is_empty() { vec![0] } else { used } {
+        let (at, crossing) = road.numbered_crossing(number);
+        let (from, to) = (at - crossing.width / 2.0 - 4.0, at + crossing.width / 2.0 + 4.0);
+        points.extend(beside(road, road.kerb(Side::Near), from, to));
+        points.extend(beside(road, road.kerb(Side::Far), from, to));
+    }
     let middle = points.iter().sum::<Vector2<f64>>() / points.len() as f64;
     let near = |within: f64| move |point: &Vector2<f64>| (point - middle).norm() <= within;
     let people = world.pedestrians.iter().flat_map(|one| [one.start, one.goal].map(Vector2::from));

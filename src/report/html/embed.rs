@@ -101,7 +101,8 @@ fn run(reports: &[SuiteReport], recording: &Recording, reason: &str) -> Value {
         .bend
         .as_ref()
         .map_or((-250.0, 250.0), |bend| (-bend.crossing - 100.0, bend.line.length() - bend.crossing + 100.0));
-    let view = road.bend.as_ref().map_or(Value::Null, |_| {
+    let is_shown_about_its_crossing = road.bend.is_none() && road.other_crossings.is_empty();
+    let view = (!is_shown_about_its_crossing).then(|| {
         let cars = case.world.vehicles.len();
         let places = |users: &[Vec<Option<results::Place>>]| -> Vec<Vector2<f64>> {
             users.iter().flatten().flatten().map(|place| Vector2::new(place.x, place.y)).collect()
@@ -109,6 +110,7 @@ fn run(reports: &[SuiteReport], recording: &Recording, reason: &str) -> Value {
         let near = view(&case.world, places(&recording.users[..cars]), places(&recording.users[cars..]));
         json!([rounded(near.low.x), rounded(near.low.y), rounded(near.high.x), rounded(near.high.y)])
     });
+    let view = view.unwrap_or(Value::Null);
     json!({
         "key": case.key,
         "reason": reason,

@@ -79,7 +79,7 @@
     view.replaceChildren();
     const road = run.road, narrow = view.clientWidth > 0 && view.clientWidth < 560;
     const people = run.users.filter((user) => user.kind === "pedestrian").flatMap((user) => user.y).filter((y) => y !== null);
-    // A road that bends says what of it matters; a straight one is shown about its crossing.
+    // A road that bends or has several crossings says what of it matters; another is shown about its crossing.
     const [left, right] = road.view ? [road.view[0], road.view[2]] : narrow ? [-21, 9] : [-42, 16];
     const low = road.view ? road.view[1] : Math.max(road.near - 9, Math.min(road.near - 3.2, ...people.map((y) => y - 1.8)));
     const high = road.view ? road.view[3] : Math.min(road.far + 9, Math.max(road.far + 3.2, ...people.map((y) => y + 1.8)));

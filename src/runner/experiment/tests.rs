@@ -54,6 +54,7 @@ fn scenario() -> Scenario {
         road: Road::zebra(&[Direction::Forward, Direction::Backward], 30.0 / 3.6),
         bend: None,
         ground: None,
+        other_crossings: Vec::new(),
         vehicles: vec![Vehicle {
             name: "av".into(),
             controller: model(
@@ -77,6 +78,8 @@ fn scenario() -> Scenario {
             shape: None,
             side: Side::Near,
             start_from_lane_centre: 4.0.into(),
+            crosses: None,
+            waits_on_refuges: false,
             along: 0.0.into(),
             goal_beyond_kerb: 2.0.into(),
             turned: 0.0.into(),

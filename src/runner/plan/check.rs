@@ -269,7 +269,9 @@ impl Checker<'_> {
         let start = sign * (road.outer_lane_centre(setup.side) - setup.start.y);
         let goal = sign * (setup.goal.y - road.kerb(setup.side.opposite()));
         within("start", "start", tidy(start), self.start_limit(name))?;
-        within("along", "place along the road", setup.start.x, limits::ALONG)?;
+        let (at, _) = road.numbered_crossing(setup.crossing);
+        let along = if setup.crossing == 0 { setup.start.x } else { tidy(setup.start.x - at) };
+        within("along", "place along the road", along, limits::ALONG)?;
         within("goal", "goal", tidy(goal), limits::GOAL)?;
         if sign * (setup.goal.y - setup.start.y) <= 0.0 {
             return Err(starts_beyond(self.scenario, declared));

@@ -19,7 +19,11 @@ use scenario::{
 /// itself, and a crossing that is not on it.
 pub(super) fn road(scenario: &Scenario, variables: &Variables) -> Result<Road, PlanError> {
     let ground = ground(scenario, variables)?;
-    let Some(declared) = &scenario.bend else { return Ok(Road { ground, ..scenario.road.clone() }) };
+    let Some(declared) = &scenario.bend else {
+        let mut road = Road { ground, ..scenario.road.clone() };
+        place_crossings(scenario, variables, &mut road, None)?;
+        return Ok(road);
+    };
     let line = line(scenario, declared, variables)?;
     let crossing = number(&declared.crossing, variables, &declared.origin)?;
     let what = "the place of the crossing on its path";
@@ -31,12 +35,90 @@ pub(super) fn road(scenario: &Scenario, variables: &Variables) -> Result<Road, P
             format!("the path is {} long: let `at` be less, or the path longer", metres(line.length()));
         return Err(PlanError::new(&declared.origin, message).with_hint(hint));
     }
+    let length = line.length();
     let bend = Some(Bend { line: Arc::new(line), crossing });
     let mut road = Road { bend, ground, ..scenario.road.clone() };
+    place_crossings(scenario, variables, &mut road, Some((crossing, length)))?;
     refuse_return(&road, &declared.origin)?;
     let boxes = std::mem::take(&mut road.boxes);
     road.boxes = boxes.into_iter().map(|body| road.turned_body(body)).collect();
     Ok(road)
+}
+
+/// Puts the other crossings of a road where the scenario says that they are: on a path, of which the station of the first crossing and
+/// the length are given (m), behind its beginning.
+fn place_crossings(
+    scenario: &Scenario,
+    variables: &Variables,
+    road: &mut Road,
+    path: Option<(f64, f64)>,
+) -> Result<(), PlanError> {
+    for (index, declared) in scenario.other_crossings.iter().enumerate() {
+        let at = number(&declared.at, variables, &declared.origin)?;
+        let name = road.other_crossings[index].name.clone();
+        let what = format!("the place of crossing `{name}`");
+        let said = format!("road.{name}.at");
+        let limit = if path.is_some() { limits::STATION } else { limits::CROSSING_PLACE };
+        check_number(scenario, &said, &what, at, limit, &declared.origin)?;
+        if let Some((_, length)) = path.filter(|(_, length)| at > *length) {
+            let message = format!("crossing `{name}` is {} behind the end of the path", metres(at - length));
+            let hint = format!("the path is {} long: let `at` be less, or the path longer", metres(length));
+            return Err(PlanError::new(&declared.origin, message).with_hint(hint));
+        }
+        road.other_crossings[index].along = at - path.map_or(0.0, |(first, _)| first);
+    }
+    let crossings: Vec<_> = road.crossings().collect();
+    for (index, declared) in scenario.other_crossings.iter().enumerate() {
+        let (along, crossing) = crossings[index + 1];
+        let other = crossings[..=index].iter().position(|(other_along, other)| {
+            (along - other_along).abs() < (crossing.width + other.width) / 2.0
+        });
+        if let Some(other) = other {
+            let called = |number: usize| match number.checked_sub(1) {
+                None => "the first crossing".to_string(),
+                Some(other) => format!("crossing `{}`", road.other_crossings[other].name),
+            };
+            let message = format!("{} lies on {}", called(index + 1), called(other));
+            let apart = metres((crossing.width + crossings[other].1.width) / 2.0);
+            let hint = format!("their middles have to be at least {apart} apart");
+            return Err(PlanError::new(&declared.origin, message).with_hint(hint));
+        }
+    }
+    Ok(())
+}
+
+/// The number of the crossing that somebody uses, and where on the road that is, m.
+///
+/// # Errors
+/// A crossing that the road does not have.
+pub(super) fn crossing_used(road: &Road, declared: &DeclaredPedestrian) -> Result<(usize, f64), PlanError> {
+    let Some(name) = &declared.crosses else { return Ok((0, 0.0)) };
+    let found = road.other_crossings.iter().position(|other| other.name == *name);
+    found
+        .map(|index| (index + 1, road.other_crossings[index].along))
+        .ok_or_else(|| PlanError::new(&declared.origin, format!("the road has no crossing called `{name}`")))
+}
+
+/// The middles of the refuges on which somebody waits.
+///
+/// # Errors
+/// If they are to wait and there is none on their way.
+pub(super) fn stops(
+    road: &Road,
+    declared: &DeclaredPedestrian,
+    (start, goal): (Position, Position),
+) -> Result<Vec<Position>, PlanError> {
+    if !declared.waits_on_refuges {
+        return Ok(Vec::new());
+    }
+    let stops = road.refuges_between(start, goal);
+    if stops.is_empty() {
+        let (name, kind) = (&declared.name, declared.kind.word());
+        let message = format!("{kind} `{name}` waits on refuges, and there is none on its way");
+        let hint = "give the road one between two lanes: `median 2 m after lane 0 with refuge`";
+        return Err(PlanError::new(&declared.origin, message).with_hint(hint));
+    }
+    Ok(stops)
 }
 
 fn ground(scenario: &Scenario, variables: &Variables) -> Result<Ground, PlanError> {
@@ -162,11 +244,14 @@ pub(super) fn way(
 ) -> Result<(Position, Position), PlanError> {
     let number = |expression: &Expression| number(expression, variables, &declared.origin);
     let (side, sign) = (declared.side, declared.side.walking_sign());
-    let (along, start) = (number(&declared.along)?, number(&declared.start_from_lane_centre)?);
+    let (said, start) = (number(&declared.along)?, number(&declared.start_from_lane_centre)?);
+    // At the first crossing, with the bits that this always had.
+    let along =
+        crossing_used(road, declared).map(|(number, at)| if number == 0 { said } else { at + said })?;
     let goal = number(&declared.goal_beyond_kerb)?;
     if let Some(walks) = &declared.walks {
         let further = number(&walks.further)?;
-        return way_along(scenario, road, declared, (start, along, further), walks.with_traffic);
+        return way_along(scenario, road, declared, (start, (along, said), further), walks.with_traffic);
     }
     let from = road.outer_lane_centre(side) - sign * start;
     let to = road.kerb(side.opposite()) + sign * goal;
@@ -174,7 +259,7 @@ pub(super) fn way(
     if road.bend.is_none() && turned == 0.0 {
         return Ok((Position { x: along, y: from }, Position { x: along, y: to }));
     }
-    check_places(scenario, declared, (start, along, goal), turned)?;
+    check_places(scenario, declared, (start, said, goal), turned)?;
     if sign * (to - from) <= 0.0 {
         return Err(starts_beyond(scenario, declared));
     }
@@ -186,7 +271,7 @@ fn way_along(
     scenario: &Scenario,
     road: &Road,
     declared: &DeclaredPedestrian,
-    (start, along, further): (f64, f64, f64),
+    (start, (along, said), further): (f64, (f64, f64), f64),
     with_traffic: bool,
 ) -> Result<(Position, Position), PlanError> {
     let (name, kind) = (&declared.name, declared.kind.word());
@@ -195,7 +280,7 @@ fn way_along(
         return Err(PlanError::new(&declared.origin, message)
             .with_hint("people go straight to their goals: take a road without `path`, or let it cross"));
     }
-    check_places(scenario, declared, (start, along, 0.0), 0.0)?;
+    check_places(scenario, declared, (start, said, 0.0), 0.0)?;
     let what = format!("the goal of {kind} `{name}`");
     check_number(scenario, &format!("{name}.goal"), &what, further, limits::FURTHER, &declared.origin)?;
     let sign = declared.side.walking_sign();

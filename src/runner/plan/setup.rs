@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::check::check;
 use super::error::PlanError;
 use super::meeting::meet;
-use super::places::{road, way};
+use super::places::{crossing_used, road, stops, way};
 use super::variables::{Variables, number};
 use scenario::{
     Appearance, ControllerModel, Declaration, DeclaredAppearance, DeclaredFollowing, DeclaredPedestrian,
@@ -225,6 +225,8 @@ fn pedestrian_setup(
         side: declared.side,
         start,
         goal,
+        stops: stops(road, declared, (start, goal))?,
+        crossing: crossing_used(road, declared)?.0,
         appears,
         reference: number(&declared.reference)?,
     })

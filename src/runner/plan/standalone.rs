@@ -29,6 +29,9 @@ pub fn standalone(
             .into_iter()
             .try_for_each(|(value, origin)| fix(value, &variables, origin))?;
     }
+    for place in &mut own.other_crossings {
+        fix(&mut place.at, &variables, &place.origin)?;
+    }
     for car in &mut own.vehicles {
         fix_vehicle(car, &variables)?;
     }

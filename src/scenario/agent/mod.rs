@@ -24,6 +24,9 @@ pub trait Pedestrian: Send {
     /// Decides what to do from now until the next step. Called at every step from its appearance on.
     fn act(&mut self, scene: &Scene) -> Motion;
 
+    /// Told before [`Self::act`] where a refuge is reached and another leg of the way begins; it stands there.
+    fn begin_leg(&mut self, _scene: &Scene) {}
+
     /// What it is up to, such as `waiting`; shown in traces and timelines.
     fn mode(&self) -> Mode {
         Mode::NONE
@@ -40,12 +43,16 @@ pub struct Scene<'a> {
     pub time: f64,
     /// Time until the next step, s.
     pub step: f64,
-    /// With its crossing and what blocks the view.
+    /// With its crossings and what blocks the view.
     pub road: &'a Road,
+    /// The number of the crossing that it uses, see [`Road::crossings`].
+    pub crossing: usize,
     /// The pedestrian's own index in `pedestrians`.
     pub me: usize,
-    /// Where it wants to go.
+    /// Where it wants to go: on the way there the middle of the next refuge, if it waits on refuges.
     pub goal: Position,
+    /// How many legs of its way are behind it, and how many come after the one to `goal`; none where it waits on no refuge.
+    pub legs: (usize, usize),
     /// All of them, in the order of the world.
     pub vehicles: &'a [VehicleState],
     /// Look only at those that are `present`.
@@ -56,6 +63,25 @@ impl<'a> Scene<'a> {
     /// The pedestrian itself.
     pub fn ego(&self) -> &'a PedestrianState {
         &self.pedestrians[self.me]
+    }
+
+    /// Whether another leg of its way comes after the one to `goal`.
+    pub fn goes_on(&self) -> bool {
+        self.legs.1 > 0
+    }
+
+    /// Whether it comes to the lane of a vehicle, or leaves it, on the leg to `goal`; of a way that has one leg, always.
+    pub fn meets_on_this_leg(&self, vehicle: &VehicleState) -> bool {
+        if self.legs == (0, 0) {
+            return true;
+        }
+        let (here, goal) = (vehicle.path.beside(self.ego().position), vehicle.path.beside(self.goal.into()));
+        here * goal <= 0.0 || here.abs() <= self.road.lane_width / 2.0
+    }
+
+    /// Whether pedestrians have priority now at the crossing that it uses.
+    pub fn pedestrian_priority(&self) -> bool {
+        self.road.numbered_crossing(self.crossing).1.pedestrian_priority(self.time)
     }
 }
 
@@ -128,7 +154,8 @@ pub struct Observation {
 /// The vehicle that a controller drives, as it knows it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct EgoState {
-    /// From the ego's centre to the middle of the crossing in m; negative once past it.
+    /// From the ego's centre to the middle of the crossing in m; negative once past it. Of several crossings it is the first that the
+    /// ego has not left behind, or the last.
     pub distance_to_crossing: f64,
     /// m/s
     pub speed: f64,
@@ -160,13 +187,13 @@ pub struct RoadView {
     pub lane_width: f64,
     /// m/s
     pub speed_limit: f64,
-    /// Extent of the crossing along the road, m.
+    /// Extent of that crossing along the road, m.
     pub crossing_width: f64,
-    /// Whether pedestrians have priority at the crossing now.
+    /// Whether pedestrians have priority at that crossing now.
     pub pedestrian_priority: bool,
-    /// y of the kerb on the ego's right, m (negative).
+    /// y of the edge of the carriageway on the ego's right, a kerb or a median, m (negative).
     pub right_kerb: f64,
-    /// y of the kerb on the ego's left, m.
+    /// y of the edge of the carriageway on the ego's left, m.
     pub left_kerb: f64,
     /// Rise per metre ahead, positive uphill; `None` on a road that says none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -178,6 +205,24 @@ pub struct RoadView {
     /// jump. Beside the middle of lane 0 a clothoid is told in parts, to 0.001 1/m. Empty where the curvature does not change.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub curvature_ahead: Vec<(f64, f64)>,
+    /// Every crossing of the road, in the order in which the ego comes to them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub crossings: Vec<CrossingView>,
+}
+
+/// A crossing as the ego sees it from its lane.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct CrossingView {
+    /// From the ego's centre to its middle, m; negative once past it.
+    pub distance: f64,
+    /// Its extent along the road, m.
+    pub width: f64,
+    /// Whether pedestrians have priority on it now.
+    pub pedestrian_priority: bool,
+    /// y of where people may wait on the ego's right, beyond a kerb or on a refuge, m (negative).
+    pub right_edge: f64,
+    /// y of where people may wait on the ego's left, m.
+    pub left_edge: f64,
 }
 
 /// A pedestrian as a controller knows it.

@@ -2,8 +2,9 @@
 
 use super::{
     Argument, Binding, Constraint, Controller, ControllerDefinition, Crossing, Direction, Dynamics, Evaluate,
-    Expression, Measure, Metric, Model, Name, Obstacle, Parameter, Pedestrian, RoadDefinition, Scenario,
-    Search, Sees, Settings, Statement, Suite, Tag, Tested, Tune, Turn, Varied, VaryTogether, Vehicle,
+    Expression, Measure, Metric, Model, Name, Obstacle, OtherCrossing, Parameter, Pedestrian, RoadDefinition,
+    Scenario, Search, Sees, Settings, Statement, Suite, Tag, Tested, Tune, Turn, Varied, VaryTogether,
+    Vehicle,
 };
 use super::{Node, Rule, View};
 
@@ -19,13 +20,38 @@ choices! {
     /// A statement of a road user with settings.
     Settled = Named | Sees;
     /// A statement with settings.
-    HasSettings = Settled | Crossing | Obstacle | Turn;
+    HasSettings = Settled | AnyCrossing | Obstacle | Turn;
+    /// The first crossing of a road or another.
+    AnyCrossing = Crossing | OtherCrossing;
     /// What takes values from outside.
     Settable = Argument | Binding | Parameter | Pedestrian | Scenario | Varied | VaryTogether | Vehicle;
     /// What names a registered thing.
     NamesRegistered = Named | Metric;
     /// What stands between the commas of a statement.
     Listed = Tag | Direction | Constraint | Expression | Measure;
+}
+
+impl<'t> AnyCrossing<'t> {
+    pub fn is_zebra(self) -> bool {
+        match self {
+            Self::Crossing(crossing) => crossing.is_zebra(),
+            Self::OtherCrossing(crossing) => crossing.is_zebra(),
+        }
+    }
+
+    pub fn is_unmarked(self) -> bool {
+        match self {
+            Self::Crossing(crossing) => crossing.is_unmarked(),
+            Self::OtherCrossing(crossing) => crossing.is_unmarked(),
+        }
+    }
+
+    pub fn settings(self) -> Option<Settings<'t>> {
+        match self {
+            Self::Crossing(crossing) => crossing.settings(),
+            Self::OtherCrossing(crossing) => crossing.settings(),
+        }
+    }
 }
 
 impl<'t> Settled<'t> {

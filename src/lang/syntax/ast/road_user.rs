@@ -46,6 +46,8 @@ views! {
         goal: (Goal),
         turned: (Turned),
         walks: (Walks),
+        crosses: (Crosses),
+        waits: (Waits),
         appearance: (Appearance),
         appears: (Appears),
         meets: (Meets),
@@ -73,6 +75,10 @@ views! {
     Turned = turned { value: Expression, is_left: {kw_left} }
     /// `walks with traffic`
     Walks = walks { is_against: {kw_against} }
+    /// `crosses school`
+    Crosses = crosses { name: Name }
+    /// `waits on refuge`
+    Waits = waits {}
     Appears = appears { at: (AppearsAt), when: (AppearsWhen) }
     AppearsAt = appears_at { time: Expression }
     /// `when time_to_arrival(av.front) = 6 s`
@@ -250,6 +256,20 @@ pub static PEDESTRIAN: BlockEntry = BlockEntry {
             "Along the lane that is outermost on its side, not across the road.",
         )
         .key("walks", YamlShape::Words),
+        statement(
+            "crosses",
+            Rule::crosses,
+            "crosses school",
+            "The crossing that it uses, from which `along` is measured; the first if not said.",
+        )
+        .key("crosses", YamlShape::Words),
+        statement(
+            "waits",
+            Rule::waits,
+            "waits on refuge",
+            "It crosses leg by leg and waits on every refuge of its way; without it, in one go.",
+        )
+        .key("waits", YamlShape::Words),
         statement(
             "appears",
             Rule::appears,

@@ -22,7 +22,9 @@ views! {
         gradient: (Gradient),
         friction: (Friction),
         no_kerbs: (NoKerbs),
+        medians: [RoadMedian],
         crossing: (Crossing),
+        other_crossings: [OtherCrossing],
         obstacles: [Obstacle],
     }
     /// `lanes forward, backward` or `lanes 2`
@@ -49,6 +51,10 @@ views! {
     BendRadius = bend_radius { value: Expression, is_left: {kw_left} }
     /// `crossing zebra { … }`
     Crossing = crossing { is_zebra: {kw_zebra}, is_unmarked: {kw_unmarked}, settings: (Settings) }
+    /// `crossing NAME zebra { … }`
+    OtherCrossing = other_crossing { name: Name, is_zebra: {kw_zebra}, is_unmarked: {kw_unmarked}, settings: (Settings) }
+    /// `median 2 m after lane 0 with refuge`
+    RoadMedian = median { numbers: [Expression], is_refuge: {kw_refuge} }
     /// `box NAME { … }`, `parked NAME { … }`, `parked_row NAME { … }` or `bus NAME { … }`
     Obstacle = obstacle { is_row: {kw_parked_row}, is_bus: {kw_bus}, name: Name, settings: Settings }
     /// `scenario NAME : BASE { … }` or, with parameters, `define NAME(…) : BASE { … }`
@@ -217,6 +223,22 @@ pub static ROAD: BlockEntry = BlockEntry {
         )
         .key("crossing", YamlShape::Model)
         .needed("crossing", "crossing zebra { width: 4 m }"),
+        statement(
+            "crossing",
+            Rule::other_crossing,
+            "crossing school zebra { width: 3 m, at: 40 m }",
+            "Another crossing, so far `at` along the road from the middle of the first, on a `path` from its beginning.",
+        )
+        .key("crossings", YamlShape::NamedModels)
+        .repeats(),
+        statement(
+            "median",
+            Rule::median,
+            "median 2 m after lane 0` or `median 2 m after lane 0 with refuge",
+            "A strip between two lanes where nobody drives; on a refuge people may wait.",
+        )
+        .key("medians", YamlShape::Words)
+        .repeats(),
         statement(
             "box",
             Rule::obstacle,

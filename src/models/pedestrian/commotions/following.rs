@@ -55,7 +55,17 @@ mod tests {
         let world = world();
         let goal = world.pedestrians[0].goal;
         let (vehicles, road) = (&[][..], &world.road);
-        limit(&Scene { time: 0.0, step: 0.1, road, me: 0, goal, vehicles, pedestrians: people })
+        limit(&Scene {
+            time: 0.0,
+            step: 0.1,
+            road,
+            crossing: 0,
+            me: 0,
+            goal,
+            legs: (0, 0),
+            vehicles,
+            pedestrians: people,
+        })
     }
 
     /// At 1.42 m there is room for 1 m/s.

@@ -29,7 +29,7 @@ pub fn commotions() -> PedestrianModel {
          Madigan and Merat, PNAS Nexus 2(6), 2023",
     )
     .parameters(parameters());
-    PedestrianModel::new(declaration, build).with_individuals()
+    PedestrianModel::new(declaration, build).with_individuals().in_legs()
 }
 
 fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError> {
@@ -51,18 +51,20 @@ fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError>
         hidden: false,
     };
     let paths = context.world.vehicles.iter().map(|vehicle| vehicle.lane);
-    let agent = random::Agent::Pedestrian(context.rank);
+    let me = random::Agent::Pedestrian(context.rank);
+    let agent = CommotionsAgent::among(
+        &person.variant,
+        &person.parameters,
+        Control::Speed,
+        person.dt,
+        bodies.clone(),
+    );
     Ok(Box::new(Walker {
-        agent: CommotionsAgent::among(
-            &person.variant,
-            &person.parameters,
-            Control::Speed,
-            person.dt,
-            bodies.clone(),
-        ),
+        fresh: (!context.setup.stops.is_empty()).then(|| Box::new(agent.clone())),
+        agent,
         sights: Vec::with_capacity(bodies.len()),
         meetings: bodies.zip(paths).map(meeting).collect(),
-        draws: random::stream(context.seed, agent, Purpose::Perception),
+        draws: random::stream(context.seed, me, Purpose::Perception),
         free_speed: person.parameters.pedestrian_free_speed,
         action_duration: person.parameters.action_duration,
         steps_per_decision: person.steps_per_decision,
@@ -299,6 +301,8 @@ impl Meeting {
 /// A pedestrian among vehicles.
 struct Walker {
     agent: CommotionsAgent,
+    /// As it was at the start, with which each leg of a way begins; `None` where the way has one.
+    fresh: Option<Box<CommotionsAgent>>,
     meetings: Vec<Meeting>,
     /// Those of this step.
     sights: Vec<Sight>,
@@ -313,6 +317,15 @@ struct Walker {
 }
 
 impl Pedestrian for Walker {
+    fn begin_leg(&mut self, _scene: &Scene) {
+        if let Some(fresh) = &self.fresh {
+            self.agent.clone_from(fresh);
+        }
+        // Another encounter: where ways meet is told to it anew.
+        self.meetings.iter_mut().for_each(|meeting| meeting.crossing = None);
+        self.acceleration = 0.0;
+    }
+
     fn act(&mut self, scene: &Scene) -> Motion {
         if self.steps.is_multiple_of(self.steps_per_decision) {
             self.acceleration = self.decide(scene);
@@ -336,12 +349,17 @@ impl Walker {
     fn decide(&mut self, scene: &Scene) -> f64 {
         let me = scene.ego();
         let rules = Rules {
-            pedestrian_priority: scene.road.pedestrian_priority(scene.time),
+            pedestrian_priority: scene.pedestrian_priority(),
             entry_inhibited: scene.time < self.entry_inhibited_until,
         };
         let way = me.heading;
         let speed = me.velocity.dot(&way);
         let might_be_hidden = scene.vehicles.len() > 1 || !scene.road.boxes.is_empty();
+        // Whom it meets beyond a refuge on which it waits is another leg's matter.
+        let leg = match scene.goes_on() {
+            false => f64::INFINITY,
+            true => (Vector2::from(scene.goal) - me.position).dot(&way),
+        };
         self.sights.clear();
         for (other, (meeting, vehicle)) in self.meetings.iter_mut().zip(scene.vehicles).enumerate() {
             let seen = sees_vehicle(scene, other);
@@ -354,6 +372,11 @@ impl Walker {
                 meeting.approaches_as_believed(me, way, vehicle, scene.time)
             };
             let Some(Approaches { own, other: state, apart, changed }) = approaches else { continue };
+            if own.distance > leg {
+                // Where their ways meet has not been told yet.
+                meeting.crossing = None;
+                continue;
+            }
             if changed {
                 self.agent.meet(other, meeting.own, meeting.other);
             }

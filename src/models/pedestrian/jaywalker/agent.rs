@@ -255,6 +255,11 @@ fn walking_direction(velocity: Vector2<f64>, way: Vector2<f64>) -> Vector2<f64> 
 }
 
 impl Pedestrian for Jaywalker {
+    fn begin_leg(&mut self, _scene: &Scene) {
+        // It waits there for its next gap as it did at the kerb.
+        (self.undisturbed, self.blocked, self.state) = (Since::default(), Since::default(), State::Waiting);
+    }
+
     fn act(&mut self, scene: &Scene) -> Motion {
         let sign = self.side.walking_sign();
         let encounter = self.perception.focus(scene, self.side);
@@ -275,7 +280,8 @@ impl Pedestrian for Jaywalker {
         let way =
             to_goal.try_normalize(0.0).unwrap_or_else(|| scene.road.crossing_velocity(here, self.side, 1.0));
         let left = scene.road.across(scene.goal.into()) - scene.road.across(here);
-        let arrived = to_goal.norm() < ARRIVAL || sign * left <= 0.0;
+        // A leg ends on the refuge itself.
+        let arrived = !scene.goes_on() && (to_goal.norm() < ARRIVAL || sign * left <= 0.0);
         if arrived {
             self.state = State::Finished;
         }

@@ -21,7 +21,7 @@ use sim::{ModelError, Pedestrian, Stated, StatedBy};
 
 pub fn jaywalker() -> PedestrianModel {
     let declaration = declaration();
-    PedestrianModel::new(declaration, build)
+    PedestrianModel::new(declaration, build).in_legs()
 }
 
 /// Shortest and longest step that the model is checked at, s.

@@ -102,8 +102,11 @@ impl JaywalkerPerception {
                 .then(other.beyond_lane_centre.total_cmp(&one.beyond_lane_centre))
                 .then(one.ahead.total_cmp(&other.ahead))
         };
-        let seen = scene.vehicles.iter().enumerate().filter(|(index, _)| sees_vehicle(scene, *index));
-        let encounters = seen.map(|(_, vehicle)| self.encounter(vehicle, scene.ego(), side));
+        let met = |(index, vehicle): &(usize, &VehicleState)| {
+            sees_vehicle(scene, *index) && scene.meets_on_this_leg(vehicle)
+        };
+        let met = scene.vehicles.iter().enumerate().filter(met);
+        let encounters = met.map(|(_, vehicle)| self.encounter(vehicle, scene.ego(), side));
         encounters.min_by(order)
     }
 }

@@ -40,6 +40,12 @@ fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError>
             "use `preset: lane_only`, or a crossing without a signal",
         ));
     }
+    if !context.world.road.other_crossings.is_empty() && settings.flag("crosswalk_mapped") {
+        return Err(ModelError::with_hint(
+            "`autoware` is given a map with one crosswalk, and the road has several crossings",
+            "use `preset: lane_only`, or a road with one crossing",
+        ));
+    }
     let period = settings.number("planning_period");
     let shortest = settings.number("control_period").max(settings.number("vehicle_period"));
     if period < shortest {

@@ -31,7 +31,7 @@ pub struct Site {
 impl Ego {
     pub fn of(observation: &Observation) -> Self {
         let ego = &observation.ego;
-        let centre = -ego.distance_to_crossing;
+        let centre = ego.travelled;
         Self {
             front: centre + ego.length / 2.0,
             rear: centre - ego.length / 2.0,

@@ -95,7 +95,7 @@ impl Tracker {
         for track in &mut self.tracks {
             track.frames.push_back(Frame { time, detection: None });
         }
-        let ego = -observation.ego.distance_to_crossing;
+        let ego = observation.ego.travelled;
         for seen in &observation.pedestrians {
             if seen.position.norm() < self.constants.detection_range {
                 let half_size = match seen.shape {
