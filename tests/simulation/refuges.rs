@@ -282,6 +282,8 @@ fn what_cannot_be_is_refused_with_its_place() {
     assert!(other("20 m").is_ok() && other("-20 m").is_ok());
     let error = other("3 m").unwrap_err();
     assert!(error.contains("crossing `next` lies on the first crossing"), "{error}");
+    let error = other("150 m").unwrap_err();
+    assert!(error.contains("behind the finish line of vehicle `av`"), "{error}");
     let error = other("2 km").unwrap_err();
     assert!(error.contains("the place of crossing `next`"), "{error}");
     // A refuge that is not on the way.
@@ -300,6 +302,31 @@ fn what_cannot_be_is_refused_with_its_place() {
     let suite = case(&text);
     let error = road_users(&suite.world, 1).err().expect("it says no wait").to_string();
     assert!(error.contains("nothing says how long"), "{error}");
+}
+
+#[test]
+fn a_line_is_a_straight_road_with_its_medians_and_crossings() {
+    let users = "vehicle av { controller yielding; speed 30 km/h; lane 1; start 80 m before crossing }
+  pedestrian walker { model scripted { wait_on_refuge: 1 s }; start 2 m from kerb; crosses next; waits on refuge; appears at 1.013 s }";
+    let text = |road: &str| {
+        format!(
+            "scenario a {{ road {{ {road}; lanes forward, backward; lane_width 3.5 m; speed_limit 50 km/h; {REFUGE} }}\n horizon 60 s\n {users} }}"
+        )
+    };
+    let straight = text("crossing zebra; crossing next zebra { at: -31 m }");
+    let line =
+        text("path { straight 200 m }; crossing zebra { at: 120 m }; crossing next zebra { at: 89 m }");
+    let stop = |text: &str| case(text).world.pedestrians[0].stops[0];
+    assert_eq!((stop(&straight).x, stop(&straight).y), (-31.0, 2.75));
+    // On the line it begins 120 m before the first crossing.
+    assert!((stop(&line).x - 89.0).abs() < 1e-9 && (stop(&line).y - 2.75).abs() < 1e-9);
+    for ((name, one), (_, other)) in measured(&straight).0.iter().zip(&measured(&line).0) {
+        let same = match (one, other) {
+            (Some(one), Some(other)) => (one - other).abs() <= 1e-6 * one.abs().max(1.0),
+            (one, other) => one == other,
+        };
+        assert!(same, "{name} is {one:?} on a straight road and {other:?} on a line");
+    }
 }
 
 proptest! {

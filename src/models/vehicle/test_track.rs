@@ -81,6 +81,7 @@ impl Track {
                 left_kerb: 6.0,
                 gradient: None,
                 curvature_ahead: Vec::new(),
+                crossings: Vec::new(),
             },
             pedestrians: Vec::new(),
             vehicles: Vec::new(),

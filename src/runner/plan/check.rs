@@ -226,6 +226,16 @@ impl Checker<'_> {
                 within("width", of("width"), width, limits::SIZE)?;
             }
         }
+        let at = road.numbered_crossing(setup.crossing).0;
+        let beyond = |car: &&VehicleSetup| setup.crossing > 0 && car.path(road).at_line(at) > world.finish;
+        if let Some(car) = world.vehicles.iter().find(beyond) {
+            let message = format!(
+                "the crossing that {kind} `{name}` uses lies behind the finish line of vehicle `{}`, which may never come to it",
+                car.name
+            );
+            let beyond = show(car.path(road).at_line(at).ceil() + 20.0, None, Dimension::LENGTH);
+            return Err(PlanError::new(own, message).with_hint(format!("say `finish {beyond}`")));
+        }
         // Where else somebody walks was checked where it was put into the plane.
         let aslant = (setup.goal.x - setup.start.x).abs() > 0.0;
         if road.bend.is_none() && !aslant {

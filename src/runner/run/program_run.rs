@@ -299,7 +299,13 @@ impl ProgramRun {
         let mut asked = course.asked();
         let (_, seen) = asked.find(|(vehicle, _)| *vehicle == request.vehicle).expect("it is asked");
         let driver = &self.drivers[request.driver];
-        let is_signalised = matches!(self.world().road.crossing.kind, CrossingKind::Signalised { .. });
+        // Of the crossing that the vehicle comes to.
+        let (road, setup) = (&self.world().road, &self.world().vehicles[request.vehicle]);
+        let (path, ahead) = (setup.path(road), seen.ego.travelled + seen.ego.distance_to_crossing);
+        let mut crossings = road.crossings();
+        let told = crossings.find(|(along, _)| (path.at_line(*along) - ahead).abs() < 1e-6);
+        let is_signalised =
+            told.is_some_and(|(_, crossing)| matches!(crossing.kind, CrossingKind::Signalised { .. }));
         DueDecision {
             slot: request.slot,
             is_new: driver.is_first,

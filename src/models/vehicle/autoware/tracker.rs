@@ -199,6 +199,7 @@ mod tests {
                 left_kerb: 2.0,
                 gradient: None,
                 curvature_ahead: Vec::new(),
+                crossings: Vec::new(),
             },
             pedestrians: seen
                 .into_iter()
