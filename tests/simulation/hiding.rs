@@ -284,7 +284,17 @@ fn people_remember_a_car_that_they_have_seen() {
         let goal = world.pedestrians[0].goal;
         let (vehicles, pedestrians) = (now.vehicles.as_slice(), now.pedestrians.as_slice());
         sees_vehicle(
-            &Scene { time: 0.0, step: 0.025, road: &world.road, me: 0, goal, vehicles, pedestrians },
+            &Scene {
+                time: 0.0,
+                step: 0.025,
+                road: &world.road,
+                crossing: 0,
+                me: 0,
+                goal,
+                legs: (0, 0),
+                vehicles,
+                pedestrians,
+            },
             1,
         )
     };
