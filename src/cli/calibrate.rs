@@ -1,11 +1,15 @@
-//! `scenario-runner calibrate`: retains the parameter sets of the COMMOTIONS model that meet criteria.
+//! `scenario-runner calibrate NAME FILE`: the `calibrate` block of a file. Without them: retains the parameter sets of the COMMOTIONS
+//! model that meet criteria.
 
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::{Exit, number};
+use super::experiment::{self, ExperimentArguments};
+use super::programs::{ProgramArguments, VerifyArguments};
+use super::set::SetArguments;
+use super::{Exit, number, store};
 use files::Disk;
 use models::calibrate::{
     Calibration, CalibrationJournal, Candidates, Design, ParameterRange, Report, Request, calibrate,
@@ -15,9 +19,39 @@ use models::pedestrian::commotions::model::commotions;
 use models::pedestrian::commotions::{Variant, VariantError};
 use report::console::{stderr, stdout};
 use scenario::population::{Population, PopulationError};
+use scenario::registry::Registry;
 
 #[derive(Debug, Args)]
 pub struct CalibrateArguments {
+    /// The `calibrate` block that weighs candidates until they do what people did. Without a block, parameter sets of the
+    /// COMMOTIONS model are retained that meet criteria, and the options below from `--variant` on say which.
+    #[arg(requires = "file", conflicts_with_all = BY_CRITERIA)]
+    name: Option<String>,
+
+    /// The suite or scenario file that declares it.
+    file: Option<String>,
+
+    #[command(flatten)]
+    set: SetArguments,
+
+    #[command(flatten)]
+    programs: ProgramArguments,
+
+    #[command(flatten)]
+    verify: VerifyArguments,
+
+    /// Of a block: write everything that was found as JSON.
+    #[arg(long, value_name = "PATH", requires = "name")]
+    json: Option<PathBuf>,
+
+    /// Of a block: draw people, candidates and the population.
+    #[arg(long, value_name = "PATH", requires = "name")]
+    svg: Option<PathBuf>,
+
+    /// Of a block: write 20 populations for persons who are drawn again, into this folder.
+    #[arg(long, value_name = "DIR", requires = "name")]
+    resampled: Option<PathBuf>,
+
     /// Variant of the model: the published name.
     #[arg(long, default_value = "oVAoBEvoAIoEAoSNvoPF")]
     variant: String,
@@ -59,15 +93,16 @@ pub struct CalibrateArguments {
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     repetitions: u32,
 
-    /// Decides the candidates of a random design and the noise of every run.
-    #[arg(long, default_value_t = 1)]
-    seed: u64,
+    /// Decides the candidates of a random design and the noise of every run [default: 1, and of a block that of its suite].
+    #[arg(long)]
+    seed: Option<u64>,
 
-    /// Write the retained individuals to this population file (.json).
-    #[arg(long, value_name = "FILE", required_unless_present = "print_criteria")]
+    /// Write the population that comes of it to this file (.json).
+    #[arg(long, value_name = "FILE", required_unless_present_any = ["print_criteria", "name"])]
     out: Option<PathBuf>,
 
-    /// Keep results in this file, and go on from those already in it.
+    /// Keep results in this file, and go on from those already in it; of a block: in this folder, and in `.scenario-runner` if
+    /// not said.
     #[arg(long, value_name = "FILE")]
     journal: Option<PathBuf>,
 
@@ -115,7 +150,40 @@ enum CalibrateError {
     Json(#[from] serde_json::Error),
 }
 
-pub fn run(arguments: &CalibrateArguments) -> Exit {
+/// What a block says by itself.
+const BY_CRITERIA: [&str; 9] = [
+    "variant",
+    "candidates",
+    "design",
+    "count",
+    "range",
+    "base",
+    "criteria",
+    "print_criteria",
+    "repetitions",
+];
+
+pub fn run(arguments: &CalibrateArguments, registry: &Registry) -> Exit {
+    if let (Some(name), Some(file)) = (&arguments.name, &arguments.file) {
+        let block = ExperimentArguments {
+            name: name.clone(),
+            file: file.clone(),
+            seed: arguments.seed,
+            set: arguments.set.clone(),
+            programs: arguments.programs.clone(),
+            verify: arguments.verify,
+            save: arguments.out.clone(),
+            json: arguments.json.clone(),
+            journal: arguments.journal.clone().unwrap_or_else(|| PathBuf::from(store::JOURNAL)),
+            no_progress: arguments.no_progress,
+            plots: experiment::Plots {
+                svg: arguments.svg.clone(),
+                resampled: arguments.resampled.clone(),
+                threads: arguments.threads,
+            },
+        };
+        return experiment::calibrate(&block, registry);
+    }
     match try_run(arguments) {
         Ok(exit) => exit,
         Err(error) => {
@@ -140,8 +208,12 @@ fn try_run(arguments: &CalibrateArguments) -> Result<Exit, CalibrateError> {
     let Some(out) = &arguments.out else { return Ok(Exit::Usage) };
     let variant: Variant = arguments.variant.parse()?;
     let (candidates, design) = candidates(arguments, &variant)?;
-    let calibration =
-        Calibration { variant, criteria, repetitions: arguments.repetitions, seed: arguments.seed };
+    let calibration = Calibration {
+        variant,
+        criteria,
+        repetitions: arguments.repetitions,
+        seed: arguments.seed.unwrap_or(1),
+    };
     let request = Request { calibration, candidates, design };
     let journal = arguments
         .journal
@@ -212,7 +284,8 @@ fn candidates(
         Designs::LogUniform => Design::LogUniform(count),
         Designs::LatinHypercube => Design::LatinHypercube(count),
     };
-    let candidates = Candidates::design(&base, &ranges, design, arguments.seed, &commotions().declaration)?;
+    let candidates =
+        Candidates::design(&base, &ranges, design, arguments.seed.unwrap_or(1), &commotions().declaration)?;
     let varied = ranges.iter().filter(|range| !base.names.contains(&range.name.to_string()));
     let varied: Vec<String> = varied.map(|r| format!("{} {}..{}", r.name, r.low, r.high)).collect();
     let mut words = format!("{design} over {}", varied.join(", "));

@@ -11,51 +11,63 @@ use super::progress::shows_progress;
 use super::set::SetArguments;
 use super::{Exit, load, store};
 use report::console::{stderr, stdout};
-use report::{Live, Terminal, render_block, render_controllers, tuned_parameters};
-use results::{BlockReport, BlockResult, BlockState, set_options};
+use report::{Live, Terminal, draw_calibration, render_block, render_controllers, tuned_parameters};
+use results::{BlockReport, BlockResult, BlockState, CalibrateResult, set_options};
 use runner::experiment::{CaseFile, ParameterFile};
 use runner::session::{self, Selection, Session, UnitKind, Units};
 use scenario::registry::Registry;
 use scenario::{Block, Suite};
 
+/// Files that only a calibration writes, and threads, which only its command is told.
+#[derive(Debug, Clone, Default)]
+pub struct Plots {
+    pub svg: Option<PathBuf>,
+    pub resampled: Option<PathBuf>,
+    pub threads: Option<usize>,
+}
+
 #[derive(Debug, Args)]
 pub struct ExperimentArguments {
     /// The block's name.
-    name: String,
+    pub(super) name: String,
 
     /// The suite or scenario file that declares it.
-    file: String,
+    pub(super) file: String,
 
     /// Replaces the seed of the suite.
     #[arg(long, value_name = "SEED")]
-    seed: Option<u64>,
+    pub(super) seed: Option<u64>,
 
     #[command(flatten)]
-    set: SetArguments,
+    pub(super) set: SetArguments,
 
     #[command(flatten)]
-    programs: ProgramArguments,
+    pub(super) programs: ProgramArguments,
 
     #[command(flatten)]
-    verify: VerifyArguments,
+    pub(super) verify: VerifyArguments,
 
     /// Write the result for use elsewhere: a search its kept cases, a tune its parameters. Under a name that ends in `.json`
     /// an `evaluate` block takes them as a condition (`with "tuned.json"`), under another they are definitions that a
     /// scenario can `use`, such as `av_controller_braking_distance`. `compare --parameters` takes both.
     #[arg(long, value_name = "PATH")]
-    save: Option<PathBuf>,
+    pub(super) save: Option<PathBuf>,
 
     /// Write everything that was found as JSON.
     #[arg(long, value_name = "PATH")]
-    json: Option<PathBuf>,
+    pub(super) json: Option<PathBuf>,
 
     /// Where a run that is cut off leaves its journal, from which the same command goes on.
     #[arg(long, value_name = "DIR", default_value = store::JOURNAL)]
-    journal: PathBuf,
+    pub(super) journal: PathBuf,
 
     /// Never show how far it is; it never is in CI or where standard error is no terminal.
     #[arg(long)]
-    no_progress: bool,
+    pub(super) no_progress: bool,
+
+    /// Of a calibration: where its plot is written, and populations of persons drawn again.
+    #[arg(skip)]
+    pub(super) plots: Plots,
 }
 
 /// Runs a `search` block.
@@ -66,6 +78,11 @@ pub fn search(arguments: &ExperimentArguments, registry: &Registry) -> Exit {
 /// Runs a `tune` block, after what it builds on.
 pub fn tune(arguments: &ExperimentArguments, registry: &Registry) -> Exit {
     run(arguments, "tune", registry)
+}
+
+/// Runs a `calibrate` block.
+pub fn calibrate(arguments: &ExperimentArguments, registry: &Registry) -> Exit {
+    run(arguments, "calibrate", registry)
 }
 
 fn run(arguments: &ExperimentArguments, kind: &'static str, registry: &Registry) -> Exit {
@@ -85,10 +102,11 @@ fn run(arguments: &ExperimentArguments, kind: &'static str, registry: &Registry)
     if let Err(exit) = store::prepare(&arguments.journal) {
         return exit;
     }
-    let threads = match arguments.programs.threads(None, suites.iter().map(|one| &one.suite)) {
-        Ok(threads) => threads,
-        Err(exit) => return exit,
-    };
+    let threads =
+        match arguments.programs.threads(arguments.plots.threads, suites.iter().map(|one| &one.suite)) {
+            Ok(threads) => threads,
+            Err(exit) => return exit,
+        };
     let session = Session::new(&project)
         .executor(threads)
         .journals(&arguments.journal)
@@ -142,7 +160,15 @@ fn run(arguments: &ExperimentArguments, kind: &'static str, registry: &Registry)
     }
     let written = file.and_then(|(path, content)| Some((path, content?)));
     let all = arguments.json.as_deref().map(|path| (path, json(result)));
-    let saved = written.into_iter().chain(all).try_for_each(|(path, content)| save(path, &content));
+    let plots = match result {
+        BlockResult::Calibrate(calibrated) => calibration_files(&arguments.plots, calibrated),
+        _ => Vec::new(),
+    };
+    let saved = written
+        .into_iter()
+        .chain(all)
+        .try_for_each(|(path, content)| save(path, &content))
+        .and_then(|()| plots.iter().try_for_each(|(path, content)| save(path, content)));
     if let Err((path, error)) = saved {
         writeln!(stderr(), "error: cannot write {}: {error}", path.display());
         return Exit::Output;
@@ -189,8 +215,21 @@ fn file(path: &Path, suite: &Suite, block: &Block, result: &BlockResult) -> Opti
             Some(if is_json { chosen.write() } else { tuned_parameters(tuned, tune) })
         }
         (_, BlockResult::Search(search)) => Some(CaseFile::write(&search.kept)),
+        (_, BlockResult::Calibrate(calibrated)) => calibrated.population().to_json().ok(),
         _ => Some(json(result)),
     }
+}
+
+/// The plot of a calibration, and its populations for persons drawn again, where they are wanted.
+fn calibration_files(plots: &Plots, calibrated: &CalibrateResult) -> Vec<(PathBuf, String)> {
+    let plot = plots.svg.iter().map(|path| (path.clone(), draw_calibration(calibrated)));
+    let again = plots.resampled.iter().flat_map(|folder| {
+        (0..calibrated.resampled.len()).filter_map(move |number| {
+            let population = calibrated.resampled_population(number)?.to_json().ok()?;
+            Some((folder.join(format!("{}_{:02}.json", calibrated.name, number + 1)), population))
+        })
+    });
+    plot.chain(again).collect()
 }
 
 /// Everything that was found, without the kind's name around it.
@@ -199,6 +238,7 @@ fn json(result: &BlockResult) -> String {
         BlockResult::Search(search) => serde_json::to_string_pretty(search),
         BlockResult::Tune(tune) => serde_json::to_string_pretty(tune),
         BlockResult::Evaluate(evaluate) => serde_json::to_string_pretty(evaluate),
+        BlockResult::Calibrate(calibrate) => serde_json::to_string_pretty(calibrate),
         BlockResult::Statement(statement) => serde_json::to_string_pretty(statement),
     };
     text.expect("plain data serialises") + "\n"

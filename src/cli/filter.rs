@@ -91,7 +91,7 @@ pub fn block<'a>(suite: &'a Suite, file: &'a str, block: &'a Block) -> Subject<'
 /// The scenarios that a block works on, by itself or through the blocks that it needs.
 fn scenarios_of<'a>(suite: &'a Suite, block: &Block) -> Vec<&'a Scenario> {
     let set = match block {
-        Block::Search(_) | Block::Statement(_) => None,
+        Block::Search(_) | Block::Calibrate(_) | Block::Statement(_) => None,
         Block::Tune(tune) => Some(&tune.on),
         Block::Evaluate(evaluate) => Some(&evaluate.on),
     };
@@ -102,6 +102,10 @@ fn scenarios_of<'a>(suite: &'a Suite, block: &Block) -> Vec<&'a Scenario> {
     };
     let mut scenarios: Vec<&Scenario> =
         suite.scenarios.iter().filter(|scenario| name == Some(scenario.name.as_str())).collect();
+    if let Block::Calibrate(calibrate) = block {
+        scenarios
+            .extend(suite.scenarios.iter().filter(|scenario| calibrate.scenarios.contains(&scenario.name)));
+    }
     for need in needs(block) {
         match need {
             Need::Scenario(name) => {

@@ -102,8 +102,9 @@ enum Command {
     Baseline(baseline::BaselineArguments),
     /// Is a candidate worse than a base, beyond what is tolerated and beyond doubt?
     Compare(compare::CompareArguments),
-    /// Retain the parameter sets of the COMMOTIONS model that behave as criteria demand.
-    Calibrate(calibrate::CalibrateArguments),
+    /// Run a `calibrate` block: weigh candidates until they do what people did. Without one, retain the parameter sets of the
+    /// COMMOTIONS model that behave as criteria demand.
+    Calibrate(Box<calibrate::CalibrateArguments>),
     /// Compare models with published numbers, with full counts.
     Validate(validate::ValidateArguments),
     /// Run exactly one case again and print what happened when.
@@ -186,7 +187,7 @@ fn obey(cli: Cli, registry: &Registry) -> Exit {
         Some(Command::Report(arguments)) => report::report(&arguments, registry),
         Some(Command::Baseline(arguments)) => baseline::baseline(&arguments, registry),
         Some(Command::Compare(arguments)) => compare::compare(&arguments, registry),
-        Some(Command::Calibrate(arguments)) => calibrate::run(&arguments),
+        Some(Command::Calibrate(arguments)) => calibrate::run(&arguments, registry),
         Some(Command::Validate(arguments)) => validate::run(&arguments),
         Some(Command::Replay(arguments)) => replay::replay(&arguments, registry),
         Some(Command::Sketch(arguments)) => sketch::sketch(&arguments, registry),

@@ -9,7 +9,7 @@ use super::source::Span;
 use super::syntax::NodeIndex;
 use super::syntax::ast::{self, View};
 use super::texts::{FileId, NameDefinition, Texts};
-use scenario::{Evaluate, Scenario, Search, Statement, Tune};
+use scenario::{Calibrate, Evaluate, Scenario, Search, Statement, Tune};
 
 /// Every block of a suite without mistakes.
 #[derive(Default)]
@@ -17,6 +17,7 @@ pub struct Blocks {
     pub searches: Vec<Search>,
     pub tunes: Vec<Tune>,
     pub evaluates: Vec<Evaluate>,
+    pub calibrates: Vec<Calibrate>,
     pub statements: Vec<Statement>,
 }
 
@@ -118,14 +119,15 @@ impl Gathered<'_> {
             tunes: Checked::default(),
             evaluates: Checked::default(),
         };
-        let mut statements = Vec::new();
+        let (mut calibrates, mut statements) = (Vec::new(), Vec::new());
         // Each kind is about the ones before it, so no circle can arise.
         let mut nodes = self.nodes;
         nodes.sort_by_key(|(_, node)| match node {
             ast::Block::Search(_) => 0,
             ast::Block::Tune(_) => 1,
             ast::Block::Evaluate(_) => 2,
-            ast::Block::Statement(_) => 3,
+            ast::Block::Calibrate(_) => 3,
+            ast::Block::Statement(_) => 4,
         });
         for (file, node) in nodes {
             let (scope, name) = (files.scope(file), node.name().text());
@@ -142,6 +144,9 @@ impl Gathered<'_> {
                     let evaluate = check::evaluate(node, &subjects, scope, &places, report);
                     subjects.evaluates.add(name, evaluate);
                 }
+                ast::Block::Calibrate(node) => {
+                    calibrates.extend(check::calibrate(node, &subjects, scope, &places, report));
+                }
                 ast::Block::Statement(node) => {
                     statements.extend(check::statement(node, &subjects, scope, &places, report));
                 }
@@ -151,6 +156,7 @@ impl Gathered<'_> {
             searches: subjects.searches.all(),
             tunes: subjects.tunes.all(),
             evaluates: subjects.evaluates.all(),
+            calibrates,
             statements,
         }
     }

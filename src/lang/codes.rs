@@ -381,6 +381,13 @@ codes! {
     NoSuchTag = "E0816", "a rating earns points by a tag that nothing has",
         "Points are earned by the cells of scenarios with a tag: `tags cpna` in the scenario, `points cpna 1` in the rating. \
          Without a scenario that has it there would be nothing to earn them.";
+    BadObservations = "E0817", "what people did cannot be matched",
+        "A `calibrate` block reads a CSV of what people did, a condition a row: `scenario`, what the scenario varies, `share`, `trials`, \
+         `persons`, and how many persons did so in 0, 1, … of their trials. Every row is about a condition of one of its scenarios, \
+         shares are between 0 and 1 and those of the counts. docs/populations.md has an example.";
+    BadCandidates = "E0818", "nobody can be weighed",
+        "A `calibrate` block weighs candidates: there are more of them than targets, of a model that takes individuals, and every scenario \
+         has one pedestrian who they can be. Every condition is a value that a variation lists.";
     // Filter expressions
     UnknownPredicate = "E1001", "a filter has no such predicate",
         "`scenario-runner help filter` lists the predicates of filter expressions.";

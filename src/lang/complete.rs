@@ -118,8 +118,16 @@ pub fn complete(
 
 /// Whether a statement of a block names scenarios and other blocks.
 fn refers(block: Option<&BlockEntry>, statement: &[&str]) -> bool {
-    is(block, &[BlockKind::Search, BlockKind::Tune, BlockKind::Evaluate, BlockKind::Statement])
-        && !statement.iter().any(|word| matches!(*word, "over" | "rises" | "falls" | "compare" | "repeat"))
+    is(
+        block,
+        &[
+            BlockKind::Search,
+            BlockKind::Tune,
+            BlockKind::Evaluate,
+            BlockKind::Calibrate,
+            BlockKind::Statement,
+        ],
+    ) && !statement.iter().any(|word| matches!(*word, "over" | "rises" | "falls" | "compare" | "repeat"))
 }
 
 fn is(block: Option<&BlockEntry>, kinds: &[BlockKind]) -> bool {

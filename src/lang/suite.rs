@@ -85,6 +85,7 @@ fn bare(files: &Texts, file: FileId, path: &Path, report: &mut Vec<Diagnostic>) 
         searches: blocks.searches,
         tunes: blocks.tunes,
         evaluates: blocks.evaluates,
+        calibrates: blocks.calibrates,
         statements: blocks.statements,
         gates: Vec::new(),
         ratings: Vec::new(),
@@ -247,6 +248,7 @@ fn declared(files: &mut Texts, file: FileId, path: &Path, report: &mut Vec<Diagn
         searches: blocks.searches,
         tunes: blocks.tunes,
         evaluates: blocks.evaluates,
+        calibrates: blocks.calibrates,
         statements: blocks.statements,
         gates: gates.into_iter().flatten().collect(),
         ratings: ratings.into_iter().flatten().collect(),
@@ -280,9 +282,10 @@ fn reject_lost(declared: &[(String, Span)], suite: &Suite, report: &mut Vec<Diag
     let searches = suite.searches.iter().map(|one| one.name.as_str());
     let tunes = suite.tunes.iter().map(|one| one.name.as_str());
     let evaluates = suite.evaluates.iter().map(|one| one.name.as_str());
+    let calibrates = suite.calibrates.iter().map(|one| one.name.as_str());
     let statements = suite.statements.iter().map(|one| one.name.as_str());
     let gates = suite.gates.iter().map(|one| one.name.as_str());
-    let blocks = searches.chain(tunes).chain(evaluates).chain(statements);
+    let blocks = searches.chain(tunes).chain(evaluates).chain(calibrates).chain(statements);
     let known: HashSet<&str> = scenarios.chain(blocks).chain(gates).collect();
     for (name, span) in declared.iter().filter(|(name, _)| !known.contains(name.as_str())) {
         let message = format!("`{name}` cannot be read");

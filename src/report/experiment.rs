@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use super::calibration::render_calibrate;
 use super::columns::columns;
 use super::evaluation::render_evaluate;
 use super::found::render_search;
@@ -17,6 +18,7 @@ pub fn render_block(result: &BlockResult) -> String {
         BlockResult::Search(search) => render_search(search),
         BlockResult::Tune(tune) => render_tune(tune),
         BlockResult::Evaluate(evaluate) => render_evaluate(evaluate),
+        BlockResult::Calibrate(calibrate) => render_calibrate(calibrate),
         BlockResult::Statement(statement) => render_statement(statement),
     }
 }

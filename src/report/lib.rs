@@ -6,6 +6,7 @@
 #![deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro)]
 
 mod baseline;
+mod calibration;
 mod chart;
 mod columns;
 pub mod console;
@@ -56,6 +57,7 @@ mod variable;
 mod wording;
 
 pub use baseline::{Form, render_baseline, render_difference};
+pub use calibration::{draw_calibration, render_calibrate};
 pub use controllers::render_controllers;
 pub use csv::write_csv;
 pub use drawing::{AfterTheEnd, Sketch};

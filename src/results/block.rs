@@ -9,7 +9,7 @@ use super::cut::Cut;
 use super::skip::Skip;
 use super::standing::Standing;
 use super::unit_error::UnitError;
-use super::{EvaluateResult, SearchResult, StatementResult, TuneResult};
+use super::{CalibrateResult, EvaluateResult, SearchResult, StatementResult, TuneResult};
 use crate::Verdict;
 use scenario::Block;
 
@@ -88,6 +88,8 @@ pub enum BlockResult {
     Tune(TuneResult),
     /// Of an `evaluate`.
     Evaluate(EvaluateResult),
+    /// Of a `calibrate`.
+    Calibrate(CalibrateResult),
     /// Of a `statement`.
     Statement(StatementResult),
 }
@@ -96,7 +98,7 @@ impl BlockResult {
     /// Why it is not what the block was to show; `None` if it is.
     pub fn failure(&self) -> Option<String> {
         match self {
-            Self::Search(_) | Self::Evaluate(_) => None,
+            Self::Search(_) | Self::Evaluate(_) | Self::Calibrate(_) => None,
             Self::Tune(tune) if tune.chosen.is_none() && tune.pareto.is_empty() => {
                 Some("no candidate keeps every constraint: nothing is chosen".to_string())
             }

@@ -7,8 +7,9 @@
 use sha2::{Digest, Sha256};
 
 use crate::{
-    BlockResult, Candidate, CaseRun, ClaimResult, ClaimValues, ConditionResult, CoursePoint, EvaluateResult,
-    Found, MetricCourse, SearchResult, StatementResult, TrendPoint, TuneResult,
+    BlockResult, CalibrateResult, CalibratedCondition, CalibratedShare, Candidate, CaseRun, ClaimResult,
+    ClaimValues, ConditionResult, CoursePoint, EvaluateResult, Found, MetricCourse, SearchResult,
+    StatementResult, TrendPoint, TuneResult,
 };
 use numbers::random::digest_bits;
 use optimise::Coordinate;
@@ -21,6 +22,7 @@ impl BlockResult {
             Self::Search(search) => mixture.search(search),
             Self::Tune(tune) => mixture.tune(tune),
             Self::Evaluate(evaluate) => mixture.evaluate(evaluate),
+            Self::Calibrate(calibrate) => mixture.calibrate(calibrate),
             Self::Statement(statement) => mixture.statement(statement),
         }
         digest_bits(mixture.0)
@@ -68,6 +70,51 @@ impl Mixture {
         for CaseRun { case, outcome, passed_first: _ } in runs {
             self.bits(case.seed);
             self.bits(outcome.fingerprint);
+        }
+    }
+
+    fn calibrate(&mut self, calibrate: &CalibrateResult) {
+        let CalibrateResult {
+            name: _,
+            matched: _,
+            observations: _,
+            candidates: _,
+            model: _,
+            variant: _,
+            parameters: _,
+            individuals,
+            weights,
+            digest: _,
+            effective_size: _,
+            conditions,
+            folds: _,
+            folds_rms,
+            left_out_rms,
+            fresh_rms: _,
+            runs,
+            seed,
+            resampled,
+            warnings: _,
+        } = calibrate;
+        self.bits(*seed);
+        self.count(*runs as usize);
+        for rows in [individuals, resampled] {
+            rows.iter().flatten().for_each(|number| self.number(*number));
+        }
+        weights.iter().for_each(|weight| self.number(*weight));
+        self.numbers(&[*folds_rms, *left_out_rms]);
+        for CalibratedCondition { scenario: _, values: _, trials, persons, undefined, share, spread } in
+            conditions
+        {
+            self.count(*trials as usize);
+            self.count(*persons as usize);
+            self.number(*undefined);
+            for CalibratedShare { observed, error, equal, fitted, fresh, left_out, matched: _ } in
+                [share, spread]
+            {
+                [observed, error, equal, fitted, fresh].into_iter().for_each(|number| self.number(*number));
+                self.perhaps(*left_out);
+            }
         }
     }
 

@@ -8,6 +8,7 @@
 #![deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro)]
 
 mod block;
+mod calibrate;
 mod cases;
 mod chosen;
 mod controller;
@@ -49,6 +50,7 @@ pub struct Results {
 }
 
 pub use block::{BlockReport, BlockResult, BlockState};
+pub use calibrate::{CalibrateResult, CalibratedCondition, CalibratedShare};
 pub use cases::{CaseRun, MetricSummary, SavedCase, SavedSet};
 pub use chosen::{Chosen, choose_runs};
 pub use controller::{AnswerTimes, DifferingRun, TestedController};

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Evaluate, MetricReference, Origin, Search, Statement, StatementClaim, Suite, Tune};
+use super::{Calibrate, Evaluate, MetricReference, Origin, Search, Statement, StatementClaim, Suite, Tune};
 
 /// Something in a suite that takes simulations and gives one result.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -18,6 +18,8 @@ pub enum Block {
     Tune(Tune),
     /// How parameter sets compare on the same cases.
     Evaluate(Evaluate),
+    /// Which weights of candidates reproduce what people did.
+    Calibrate(Calibrate),
     /// Whether what a source says is reproduced.
     Statement(Statement),
 }
@@ -28,8 +30,9 @@ impl Block {
         let searches = suite.searches.iter().cloned().map(Self::Search);
         let tunes = suite.tunes.iter().cloned().map(Self::Tune);
         let evaluates = suite.evaluates.iter().cloned().map(Self::Evaluate);
+        let calibrates = suite.calibrates.iter().cloned().map(Self::Calibrate);
         let statements = suite.statements.iter().cloned().map(Self::Statement);
-        searches.chain(tunes).chain(evaluates).chain(statements).map(Arc::new).collect()
+        searches.chain(tunes).chain(evaluates).chain(calibrates).chain(statements).map(Arc::new).collect()
     }
 
     /// As the suite calls it; no two blocks of a suite share one.
@@ -38,6 +41,7 @@ impl Block {
             Self::Search(search) => &search.name,
             Self::Tune(tune) => &tune.name,
             Self::Evaluate(evaluate) => &evaluate.name,
+            Self::Calibrate(calibrate) => &calibrate.name,
             Self::Statement(statement) => &statement.name,
         }
     }
@@ -48,6 +52,7 @@ impl Block {
             Self::Search(_) => "search",
             Self::Tune(_) => "tune",
             Self::Evaluate(_) => "evaluate",
+            Self::Calibrate(_) => "calibrate",
             Self::Statement(_) => "statement",
         }
     }
@@ -63,6 +68,7 @@ impl Block {
             Self::Search(search) => search.doc.as_deref(),
             Self::Tune(tune) => tune.doc.as_deref(),
             Self::Evaluate(evaluate) => evaluate.doc.as_deref(),
+            Self::Calibrate(calibrate) => calibrate.doc.as_deref(),
             Self::Statement(statement) => statement.doc.as_deref(),
         }
     }
@@ -73,6 +79,7 @@ impl Block {
             Self::Search(search) => &search.origin,
             Self::Tune(tune) => &tune.origin,
             Self::Evaluate(evaluate) => &evaluate.origin,
+            Self::Calibrate(calibrate) => &calibrate.origin,
             Self::Statement(statement) => &statement.origin,
         }
     }
@@ -93,6 +100,7 @@ impl Block {
             Self::Evaluate(evaluate) => {
                 evaluate.measures.iter_mut().map(|measure| measure.aggregate.metric_mut()).collect()
             }
+            Self::Calibrate(calibrate) => vec![&mut calibrate.condition.metric],
             Self::Statement(statement) => {
                 statement.claims.iter_mut().flat_map(StatementClaim::metrics_mut).collect()
             }

@@ -6,10 +6,10 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    ControllerModel, Criterion, DeclaredBend, DeclaredGround, Distribution, DynamicsModel, Evaluate,
-    EvaluationError, Expression, Gate, Individuals, MetricReference, Notation, Origin, PedestrianModel,
-    PerceptionModel, Rating, Reference, Road, RoadUserKind, Search, Side, Statement, Tune, Value,
-    VariedValue, VehicleReference, Written,
+    Calibrate, ControllerModel, Criterion, DeclaredBend, DeclaredGround, Distribution, DynamicsModel,
+    Evaluate, EvaluationError, Expression, Gate, Individuals, MetricReference, Notation, Origin,
+    PedestrianModel, PerceptionModel, Rating, Reference, Road, RoadUserKind, Search, Side, Statement, Tune,
+    Value, VariedValue, VehicleReference, Written,
 };
 
 /// A suite: scenarios and what holds for all of them. A bare `.scn` file becomes a suite named after the file.
@@ -43,6 +43,9 @@ pub struct Suite {
     /// In the order in which they are declared.
     #[serde(default)]
     pub evaluates: Vec<Evaluate>,
+    /// In the order in which they are declared.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub calibrates: Vec<Calibrate>,
     /// In the order in which they are declared.
     #[serde(default)]
     pub statements: Vec<Statement>,

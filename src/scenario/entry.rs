@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize, Serializer};
 use super::agent::{CommandKind, Controller, Dynamics, ModelError, Pedestrian, Perception, Schedule};
 use super::{
     Appearance, Chance, Declaration, DeclaredProgram, Dimension, Parameter, Path, Position, Reference,
-    Registered, Road, RoadUserKind, SettingError, Settings, Shape, Side, VehicleStart,
+    Registered, Road, RoadUserKind, SettingError, Settings, Shape, Side, Text, VehicleStart,
 };
 
 /// What the simulation needs to know of a case.
@@ -307,6 +307,8 @@ pub struct PedestrianModel {
     pub declaration: Declaration,
     /// Whether its parameter sets may come from a population of individuals.
     pub takes_individuals: bool,
+    /// Over which ranges (SI units, above 0) parameter sets of people lie, with these settings; empty where that is not known.
+    pub individual_ranges: fn(&Settings) -> Vec<(Text, f64, f64)>,
     /// Whether it draws.
     pub chance: Chance,
     /// Whether with these settings it walks the same whatever others do, so that it is known beforehand when it will be where.
@@ -343,6 +345,7 @@ impl PedestrianModel {
         Self {
             declaration,
             takes_individuals: false,
+            individual_ranges: |_| Vec::new(),
             chance: Chance::Always,
             is_fixed: |_| false,
             keeps_clear: |_| Some(0.0),
@@ -359,6 +362,11 @@ impl PedestrianModel {
     /// The same, which can wait on refuges, see [`Pedestrian::begin_leg`].
     pub fn in_legs(self) -> Self {
         Self { walks_in_legs: true, ..self }
+    }
+
+    /// The same, with the ranges over which parameter sets of people lie.
+    pub fn ranging(self, individual_ranges: fn(&Settings) -> Vec<(Text, f64, f64)>) -> Self {
+        Self { individual_ranges, ..self }
     }
 
     /// With what is known of whether it draws; [`Self::new`] takes it that it always may.

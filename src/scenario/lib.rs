@@ -15,6 +15,7 @@ pub mod agent;
 mod aggregate;
 mod approach;
 mod block;
+mod calibrate;
 mod case;
 mod comparison;
 mod conflict;
@@ -37,6 +38,7 @@ mod individuals;
 pub mod limits;
 mod metric;
 mod notation;
+mod observations;
 mod optimisation;
 mod origin;
 mod path;
@@ -60,6 +62,7 @@ pub use agent::CommandKind;
 pub use aggregate::{AGGREGATES, Aggregate, AggregateBounds, AggregateOf, AggregateResponse, AggregateWord};
 pub use approach::Approach;
 pub use block::Block;
+pub use calibrate::{Calibrate, CandidateSource};
 pub use case::{Assignment, Case, Individual};
 pub use comparison::{Comparison, MetricReference, Relation, WhenUndefined, constant};
 pub use conflict::{Conflict, half_extent};
@@ -93,6 +96,7 @@ pub use ground::{DeclaredGround, GRAVITY, Ground};
 pub use individuals::{Individuals, PopulationShare};
 pub use metric::{Absence, Meters, Metric, MetricKind, MetricRange, Scope, Worst};
 pub use notation::{Notation, Written, out_of_range, show, show_apart, show_both, show_outside};
+pub use observations::{Observation, ObservationError, Observations};
 pub use optimisation::{
     Budget, CaseSet, Goal, InitialDesign, Objective, Part, RangeValues, SampleSize, Search, SearchMethod,
     SearchRange, ShownIn, Target, Tune,

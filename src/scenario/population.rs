@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
 use thiserror::Error;
 
 use crate::{Declaration, Parameter, Settings, Value};
@@ -38,7 +39,16 @@ pub struct Population {
     pub parameters: Vec<String>,
     /// One row per individual, in SI units.
     pub individuals: Vec<Vec<f64>>,
+    /// How often each stands for one of the [`WEIGHTED_MEMBERS`], of sum 1; empty where each is one.
+    #[serde(skip_serializing_if = "Vec::is_empty", default)]
+    pub weights: Vec<f64>,
 }
+
+/// How many people a population with weights has: each row stands for its share of them, in the order of the rows.
+pub const WEIGHTED_MEMBERS: usize = 10_000;
+
+/// By how much weights may miss a sum of 1.
+const ROUNDED_SUM: f64 = 1e-6;
 
 /// The form of the published files: parameter sets of several variants.
 #[derive(Deserialize)]
@@ -193,6 +203,34 @@ pub enum PopulationError {
         /// Value, allowed range and unit.
         problem: Box<crate::SettingError>,
     },
+    /// There are more or fewer weights than rows.
+    #[error("{}: {found} weights for {expected} individuals", file.display())]
+    WeightCount {
+        /// The file.
+        file: PathBuf,
+        /// Weights.
+        found: usize,
+        /// Individuals.
+        expected: usize,
+    },
+    /// A weight is no share.
+    #[error("{}, weight {row}: {found} is no share between 0 and 1", file.display())]
+    Weight {
+        /// The file.
+        file: PathBuf,
+        /// Counted from 1.
+        row: usize,
+        /// What stands there.
+        found: f64,
+    },
+    /// Weights do not add up to 1.
+    #[error("{}: the weights add up to {sum:.6}, not to 1; divide each by that", file.display())]
+    WeightSum {
+        /// The file.
+        file: PathBuf,
+        /// Their sum.
+        sum: f64,
+    },
     /// There is nobody in it.
     #[error("{}: a population without individuals", file.display())]
     Empty {
@@ -328,6 +366,7 @@ impl Population {
             provenance: BTreeMap::new(),
             parameters,
             individuals,
+            weights: Vec::new(),
         };
         population.check(file, model, variant)?;
         Ok(population)
@@ -338,15 +377,48 @@ impl Population {
     /// # Errors
     /// If a number is not finite, which JSON cannot say.
     pub fn to_json(&self) -> serde_json::Result<String> {
-        let head = serde_json::to_string_pretty(&Self { individuals: Vec::new(), ..self.clone() })?;
+        let bare = Self { individuals: Vec::new(), weights: Vec::new(), ..self.clone() };
+        let head = serde_json::to_string_pretty(&bare)?;
         let rows = self.individuals.iter().map(serde_json::to_string).collect::<Result<Vec<_>, _>>()?;
         let open = head.trim_end_matches(['}', '\n', ']']);
-        Ok(format!("{open}\n{}\n  ]\n}}\n", rows.join(",\n")))
+        let weights = self.weights.iter().map(serde_json::to_string).collect::<Result<Vec<_>, _>>()?;
+        let weights = if weights.is_empty() {
+            String::new()
+        } else {
+            format!(",\n  \"weights\": [\n{}\n  ]", weights.join(",\n"))
+        };
+        Ok(format!("{open}\n{}\n  ]{weights}\n}}\n", rows.join(",\n")))
     }
 
-    /// How many there are.
+    /// How many there are: of rows with weights [`WEIGHTED_MEMBERS`].
     pub fn len(&self) -> usize {
-        self.individuals.len()
+        if self.weights.is_empty() { self.individuals.len() } else { WEIGHTED_MEMBERS }
+    }
+
+    /// The row of the individual `number`, counted from 1.
+    fn row(&self, number: usize) -> Option<&Vec<f64>> {
+        let index = number.checked_sub(1)?;
+        if self.weights.is_empty() {
+            return self.individuals.get(index);
+        }
+        if index >= WEIGHTED_MEMBERS {
+            return None;
+        }
+        // Where so much of the population is before; but for rounding the last row is never passed.
+        let before = (index as f64 + 0.5) / WEIGHTED_MEMBERS as f64;
+        let mut sum = 0.0;
+        let found = self.weights.iter().position(|weight| {
+            sum += weight;
+            sum >= before
+        });
+        self.individuals.get(found.unwrap_or(self.weights.len() - 1))
+    }
+
+    /// The first 16 hexadecimal digits of SHA-256 over model, variant, parameters and weights: whatever the file is called.
+    pub fn digest(&self) -> String {
+        let content = (&self.model, &self.variant, &self.parameters, &self.individuals, &self.weights);
+        let text = serde_json::to_vec(&content).unwrap_or_default();
+        Sha256::digest(text).iter().take(8).map(|byte| format!("{byte:02x}")).collect()
     }
 
     /// Whether nobody is in it.
@@ -356,7 +428,7 @@ impl Population {
 
     /// The parameters of the individual `number`, counted from 1; `None` if there is none of that number.
     pub fn individual(&self, number: usize) -> Option<Settings> {
-        let row = self.individuals.get(number.checked_sub(1)?)?;
+        let row = self.row(number)?;
         let mut settings = Settings::default();
         if let Some(variant) = &self.variant {
             settings.set(VARIANT, Value::Word(variant.clone()));
@@ -427,6 +499,23 @@ impl Population {
         if self.is_empty() {
             return Err(PopulationError::Empty { file: file() });
         }
+        if !self.weights.is_empty() {
+            let (found, expected) = (self.weights.len(), self.individuals.len());
+            if found != expected {
+                return Err(PopulationError::WeightCount { file: file(), found, expected });
+            }
+            if let Some(index) = self.weights.iter().position(|weight| !(0.0..=1.0).contains(weight)) {
+                return Err(PopulationError::Weight {
+                    file: file(),
+                    row: index + 1,
+                    found: self.weights[index],
+                });
+            }
+            let sum: f64 = self.weights.iter().sum();
+            if (sum - 1.0).abs() > ROUNDED_SUM {
+                return Err(PopulationError::WeightSum { file: file(), sum });
+            }
+        }
         Ok(())
     }
 }
@@ -454,6 +543,7 @@ impl PublishedFits {
             provenance: BTreeMap::new(),
             parameters: fit.params,
             individuals: fit.rows,
+            weights: Vec::new(),
         })
     }
 }

@@ -3,6 +3,7 @@
 mod autoware;
 mod baselines;
 mod bends;
+mod calibrating;
 mod carla;
 mod commotions_world;
 mod course;

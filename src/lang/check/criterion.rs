@@ -266,6 +266,17 @@ fn aggregate_claim(
     })
 }
 
+/// What a rate counts; what an undefined run is may also be said behind it.
+pub fn condition_of_rate(
+    node: ast::Rate,
+    also: Option<ast::Undefined>,
+    cast: &Cast,
+    scope: &NameScope,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Comparison> {
+    comparison(node.condition(), undefined(node.undefined().or(also)), cast, scope, report)
+}
+
 /// The aggregate with the dimension and range of what it can be compared to.
 pub fn aggregate(
     node: ast::Aggregate,

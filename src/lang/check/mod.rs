@@ -3,6 +3,7 @@
 mod bend;
 mod block;
 mod book;
+mod calibrate;
 mod claim;
 mod confidence;
 mod controller;
@@ -33,6 +34,7 @@ mod vehicle;
 mod way;
 
 pub use block::reject_repeats;
+pub use calibrate::calibrate;
 pub use controller::controller;
 pub use criterion::set_aside;
 pub use evaluate::evaluate;

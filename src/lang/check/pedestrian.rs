@@ -320,13 +320,19 @@ pub fn individuals(
         false if node.are_all() => PopulationShare::All,
         false => PopulationShare::Count(number(report)?),
     };
-    let path = node.population().path();
+    let (population, text) = individuals_of(node.population(), places);
+    Some(Individuals { selection, population, text, origin: places.origin(node.span()) })
+}
+
+/// What a population is called, with the text of its file.
+pub fn individuals_of(node: ast::Population, places: &Places) -> (String, Option<Result<Arc<str>, String>>) {
+    let path = node.path();
     let population = match path {
         Some(path) => places.beside(path.span(), &path.value()),
-        None => node.population().text().to_string(),
+        None => node.text().to_string(),
     };
     let text = path.map(|_| places.files.text_of(&population, &["csv", "json"]));
-    Some(Individuals { selection, population, text, origin: places.origin(node.span()) })
+    (population, text)
 }
 
 fn shape(

@@ -114,6 +114,7 @@ pub enum BlockKind {
     Search,
     Tune,
     Evaluate,
+    Calibrate,
     Statement,
 }
 
@@ -131,7 +132,7 @@ pub struct BlockEntry {
 
 impl BlockKind {
     /// The file first.
-    pub const ALL: [Self; 17] = [
+    pub const ALL: [Self; 18] = [
         Self::File,
         Self::Road,
         Self::Path,
@@ -148,6 +149,7 @@ impl BlockKind {
         Self::Search,
         Self::Tune,
         Self::Evaluate,
+        Self::Calibrate,
         Self::Statement,
     ];
 }

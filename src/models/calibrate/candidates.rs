@@ -4,7 +4,7 @@ use std::fmt;
 
 use thiserror::Error;
 
-use crate::pedestrian::commotions::parameters::fitted_by;
+use crate::pedestrian::commotions::parameters::{fitted_by, published_range};
 use crate::pedestrian::commotions::{Parameters, Variant};
 use numbers::design::Slices;
 use numbers::random::{Draws, Stream, derive_seed};
@@ -44,19 +44,7 @@ impl ParameterRange {
 /// The published grid of the parameters that a variant fits (§9.1): ten log-spaced values each.
 pub fn published_grid(variant: &Variant) -> Vec<ParameterRange> {
     let range = |name| {
-        let (low, high) = match name {
-            "T_delta" => (10.0, 100.0),
-            "thetaDot_1" => (0.001, 0.1),
-            "T" => (0.1, 0.5),
-            "DeltaV_th_rel" => (0.001, 0.1),
-            "xi_th" => (5e-6, 5e-3),
-            "beta_V" => (1.0, 200.0),
-            "T_Of" => (0.5, 10.0),
-            "sigma_O" => (0.02, 2.0),
-            "sigma_V" => (0.001, 1.0),
-            "tau_d" => (0.5, 500.0),
-            _ => (0.005, 5.0),
-        };
+        let (low, high) = published_range(name);
         ParameterRange { name: name.into(), low, high, levels: 10 }
     };
     fitted_by(variant).into_iter().map(range).collect()

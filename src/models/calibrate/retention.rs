@@ -175,6 +175,7 @@ impl Report {
             variant: Some(variant.to_string()),
             source: "retained by the procedure of Markkula et al., PNAS Nexus 2(6), 2023".to_owned(),
             provenance: provenance.map(|(name, value)| (name.to_owned(), value)).into(),
+            weights: Vec::new(),
             parameters: request.candidates.names.clone(),
             individuals: self
                 .retained

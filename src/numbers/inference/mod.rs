@@ -2,6 +2,7 @@
 
 mod bounded_mean;
 mod comparison;
+mod maximum_entropy;
 mod mean;
 mod paired_means;
 mod paired_rates;
@@ -12,6 +13,7 @@ mod trinomial;
 
 pub use bounded_mean::{IndependentUnit, MeanWatch, mean_of_bounded, runs_for_mean};
 pub use comparison::{McNemar, holm, mcnemar};
+pub use maximum_entropy::{EntropyWeights, WeightTarget, effective_size, maximum_entropy, nearest_mixture};
 pub use mean::{mean_interval, paired_difference};
 pub use paired_means::MeanChange;
 pub use paired_rates::{rate_change, rate_rise};

@@ -80,6 +80,17 @@ impl BlockSection {
                 self.summary = evaluate::EvaluateSection::summary(result);
                 self.evaluate = Some(evaluate::EvaluateSection::new(report, evaluate, result));
             }
+            (Block::Calibrate(_), BlockResult::Calibrate(result)) => {
+                self.summary = format!(
+                    "{} to {}: effective size {:.0} of {}, shares at most {:.1} points from people under fresh noise, digest {}",
+                    result.matched,
+                    result.observations,
+                    result.effective_size,
+                    result.weights.len(),
+                    100.0 * result.worst_fresh(),
+                    result.digest
+                );
+            }
             // A result of another kind than its block cannot be; nothing would be shown of it.
             _ => {}
         }

@@ -1,5 +1,6 @@
 //! The blocks of a suite as units of work that build on each other.
 
+use super::calibrate::run_calibrate;
 use super::context::{BlockProgress, Context};
 use super::earlier::EarlierResults;
 use super::error::ExperimentError;
@@ -25,6 +26,9 @@ pub fn run_block(
         Block::Tune(tune) => run_tune(context, tune, results, progress).map(BlockResult::Tune),
         Block::Evaluate(evaluate) => {
             run_evaluate(context, evaluate, results, progress).map(BlockResult::Evaluate)
+        }
+        Block::Calibrate(calibrate) => {
+            run_calibrate(context, calibrate, progress).map(BlockResult::Calibrate)
         }
         Block::Statement(statement) => run_statement(context, statement, results).map(BlockResult::Statement),
     }

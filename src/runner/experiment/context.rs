@@ -47,6 +47,7 @@ impl<'a> Context<'a> {
         for evaluate in &suite.evaluates {
             evaluate.measures.iter().for_each(|measure| requests.add(measure.aggregate.metric()));
         }
+        suite.calibrates.iter().for_each(|calibrate| requests.add(&calibrate.condition.metric));
         for statement in &suite.statements {
             measured(statement).iter().for_each(|one| requests.add(one.aggregate.metric()));
         }

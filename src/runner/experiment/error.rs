@@ -46,6 +46,14 @@ pub enum ExperimentError {
         /// What is wrong, in words.
         reason: String,
     },
+    /// Nobody can be weighed, or nobody does what people did.
+    #[error("{reason}")]
+    Calibration {
+        /// What is wrong, with numbers.
+        reason: String,
+        /// What to do about it.
+        hint: Option<String>,
+    },
     /// A case that was chosen cannot be planned.
     #[error(transparent)]
     Plan(#[from] PlanError),
@@ -92,6 +100,7 @@ impl ExperimentError {
             Self::TooFewCases(name, ..) => Some(format!("draw fewer, or let `{name}` vary or repeat more")),
             Self::Run { error, .. } => error.hint().map(str::to_string),
             Self::Plan(error) => error.hint.clone(),
+            Self::Calibration { hint, .. } => hint.clone(),
             _ => None,
         }
     }

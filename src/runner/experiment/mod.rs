@@ -6,6 +6,7 @@
 //! makes the runs, and when, changes nothing.
 
 mod block;
+mod calibrate;
 mod cases;
 mod claim;
 mod context;

@@ -192,6 +192,7 @@ fn suite() -> Suite {
         searches: vec![search],
         tunes: vec![tune],
         evaluates: Vec::new(),
+        calibrates: Vec::new(),
         statements: Vec::new(),
         gates: Vec::new(),
         ratings: Vec::new(),

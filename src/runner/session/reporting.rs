@@ -99,7 +99,7 @@ impl<'t, 'a> Reporting<'t, 'a> {
             UnitKind::Block(block) => match &**block {
                 Block::Search(search) => Some(search.objective.direction),
                 Block::Tune(tune) => tune.objectives.first().map(|objective| objective.direction),
-                Block::Evaluate(_) | Block::Statement(_) => None,
+                Block::Evaluate(_) | Block::Calibrate(_) | Block::Statement(_) => None,
             },
             UnitKind::Trial { .. } | UnitKind::Recorded => None,
         }?;

@@ -2,8 +2,8 @@
 
 use super::super::entry::{BlockEntry, BlockKind, StatementEntry, YamlShape, statement};
 use super::{
-    Aggregate, Condition, Doc, Expression, Individuals, Integer, List, Metric, Name, Quantity, Reference,
-    Relation, Repeat, SettingName, Text, Undefined, When,
+    Aggregate, Condition, Doc, Expression, Individuals, Integer, List, Metric, Name, Population, Quantity,
+    Rate, Reference, Relation, Repeat, SettingName, Text, Undefined, When,
 };
 use super::{DOC, INDIVIDUAL, INDIVIDUALS, REPEAT};
 #[cfg(test)]
@@ -116,6 +116,34 @@ views! {
     Source = source { quoted: Text }
     /// `reported NAME: 2.5 s, 3 %`
     ReportedRow = reported_row { name: Name, values: [Expression] }
+    /// `calibrate NAME { … }`
+    Calibrate = calibrate { name: Name, block: CalibrateBlock }
+    CalibrateBlock = calibrate_block {
+        doc: (Doc),
+        candidates: (Candidates),
+        scenarios: (CalibrateIn),
+        matched: (Matched),
+        spread: (MatchedSpread),
+        method: (CalibrateMethod),
+        folds: (Folds),
+        repeat: (Repeat),
+    }
+    /// `candidates 2000 by latin_hypercube` or `candidates all of "people.csv"`
+    Candidates = candidates {
+        is_latin_hypercube: {kw_latin_hypercube},
+        are_all: {kw_all},
+        count: (Integer),
+        population: (Population),
+    }
+    /// `in SCENARIO, SCENARIO`
+    CalibrateIn = calibrate_in { names: [Name] }
+    /// `match rate(gap_accepted) to "people.csv"`
+    Matched = matched { rate: Rate, path: Text, undefined: (Undefined) }
+    /// `match spread between individuals of rate(gap_accepted)`
+    MatchedSpread = matched_spread { rate: Rate }
+    CalibrateMethod = calibrate_method {}
+    /// `folds 5`
+    Folds = folds { count: Integer }
     /// `statement NAME { … }`
     Statement = statement { name: Name, block: StatementBlock }
     StatementBlock = statement_block {
@@ -145,11 +173,11 @@ views! {
 
 choices! {
     /// What a suite computes besides its trials.
-    Block = Search | Tune | Evaluate | Statement;
+    Block = Search | Tune | Evaluate | Calibrate | Statement;
     /// What a claim is made of, between operators.
     ClaimedOperand = Measured | Chosen | ClaimedGroup | Quantity | Reference;
     /// What names scenarios or blocks.
-    Referring = SearchIn | OnCases | AsMany | Evaluated | Outcomes | Chosen;
+    Referring = SearchIn | CalibrateIn | OnCases | AsMany | Evaluated | Outcomes | Chosen;
 }
 
 impl<'t> Block<'t> {
@@ -158,6 +186,7 @@ impl<'t> Block<'t> {
             Self::Search(search) => search.name(),
             Self::Tune(tune) => tune.name(),
             Self::Evaluate(evaluate) => evaluate.name(),
+            Self::Calibrate(calibrate) => calibrate.name(),
             Self::Statement(statement) => statement.name(),
         }
     }
@@ -187,6 +216,16 @@ pub(super) const EVALUATE: StatementEntry = statement(
 )
 .key("evaluates", YamlShape::Named)
 .opens(BlockKind::Evaluate)
+.names();
+
+pub(super) const CALIBRATE: StatementEntry = statement(
+    "calibrate",
+    Rule::calibrate,
+    "calibrate NAME { … }",
+    "Weighs candidates until they do what people did: a population.",
+)
+.key("calibrates", YamlShape::Named)
+.opens(BlockKind::Calibrate)
 .names();
 
 pub(super) const STATEMENT: StatementEntry = statement(
@@ -323,6 +362,56 @@ statement("measure", Rule::measures, "measure mean(pet), rate(collision)", "The 
 SOURCE,
 statement("reported", Rule::reported_row, "reported default: 2.5 s, 3 %", "What a source has for a condition, a value for each measure.").key("reported", YamlShape::Rows).repeats(),
 ]};
+
+pub static CALIBRATE_BLOCK: BlockEntry = BlockEntry {
+    kind: BlockKind::Calibrate,
+    rule: Rule::calibrate_block,
+    name: "a `calibrate`",
+    heads: &[DOC],
+    statements: &[
+        statement(
+            "candidates",
+            Rule::candidates,
+            "candidates 2000 by latin_hypercube`, `candidates all of \"people.csv\"` or `candidates 500 of standard",
+            "Who is weighed: parameter sets over the ranges that published individuals span, or those of a population.",
+        )
+        .key("candidates", YamlShape::Words)
+        .needed("candidates", "candidates 2000 by latin_hypercube"),
+        statement(
+            "in",
+            Rule::calibrate_in,
+            "in crossing_plain, crossing_zebra",
+            "The scenarios whose conditions people were observed in.",
+        )
+        .key("in", YamlShape::Commas)
+        .needed("scenarios", "in SCENARIO"),
+        statement(
+            "match spread",
+            Rule::matched_spread,
+            "match spread between individuals of rate(gap_accepted)",
+            "That people differ as those did who were observed: the share of pairs of a person's trials in which both hold.",
+        )
+        .key("match_spread", YamlShape::Words),
+        statement(
+            "match",
+            Rule::matched,
+            "match rate(gap_accepted) to \"human_crossing.csv\" undefined fails",
+            "What people did, a condition a row.",
+        )
+        .key("match", YamlShape::Words)
+        .needed("observations", "match rate(gap_accepted) to \"people.csv\""),
+        statement(
+            "method",
+            Rule::calibrate_method,
+            "method maximum_entropy",
+            "The smallest change from equal weights that matches within error.",
+        )
+        .key("method", YamlShape::Words),
+        statement("folds", Rule::folds, "folds 5", "In how many parts conditions are held back in turn.")
+            .key("folds", YamlShape::Words),
+        REPEAT,
+    ],
+};
 
 pub static STATEMENT_BLOCK: BlockEntry = BlockEntry {
     kind: BlockKind::Statement,

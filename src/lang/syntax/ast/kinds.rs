@@ -1,16 +1,16 @@
 //! Statements of different blocks that have something in common: what names, what is named, what has settings.
 
 use super::{
-    Argument, Binding, Constraint, Controller, ControllerDefinition, Crossing, Direction, Dynamics, Evaluate,
-    Expression, Measure, Metric, Model, Name, Obstacle, OtherCrossing, Parameter, Pedestrian, RoadDefinition,
-    Scenario, Search, Sees, Settings, Statement, Suite, Tag, Tested, Tune, Turn, Varied, VaryTogether,
-    Vehicle,
+    Argument, Binding, Calibrate, Constraint, Controller, ControllerDefinition, Crossing, Direction,
+    Dynamics, Evaluate, Expression, Measure, Metric, Model, Name, Obstacle, OtherCrossing, Parameter, Pedestrian,
+    RoadDefinition, Scenario, Search, Sees, Settings, Statement, Suite, Tag, Tested, Tune, Turn, Varied,
+    VaryTogether, Vehicle,
 };
 use super::{Node, Rule, View};
 
 choices! {
     /// What gives names to a whole file.
-    Defining = Binding | RoadDefinition | ControllerDefinition | Scenario | Search | Tune | Evaluate | Statement;
+    Defining = Binding | RoadDefinition | ControllerDefinition | Scenario | Search | Tune | Evaluate | Calibrate | Statement;
     /// What scenarios stand in, themselves included.
     HoldsScenarios = Scenario | Suite;
     /// What gives a name that is known in a scenario only, or in its file.

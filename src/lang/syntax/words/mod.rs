@@ -28,6 +28,7 @@ impl BlockKind {
             Self::Search => &ast::SEARCH_BLOCK,
             Self::Tune => &ast::TUNE_BLOCK,
             Self::Evaluate => &ast::EVALUATE_BLOCK,
+            Self::Calibrate => &ast::CALIBRATE_BLOCK,
             Self::Statement => &ast::STATEMENT_BLOCK,
         }
     }

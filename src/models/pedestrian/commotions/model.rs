@@ -2,7 +2,7 @@
 
 use super::agent::{CommotionsAgent, ConflictState, Rules, Sight};
 use super::following;
-use super::parameters::{Parameters, parameters};
+use super::parameters::{Parameters, individual_ranges, parameters};
 use super::state::{AgentBody, Control, State};
 use super::variant::{Accumulation, Variant, VariantError};
 use crate::pedestrian::across::check_across;
@@ -29,7 +29,7 @@ pub fn commotions() -> PedestrianModel {
          Madigan and Merat, PNAS Nexus 2(6), 2023",
     )
     .parameters(parameters());
-    PedestrianModel::new(declaration, build).with_individuals().in_legs()
+    PedestrianModel::new(declaration, build).with_individuals().ranging(individual_ranges).in_legs()
 }
 
 fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError> {

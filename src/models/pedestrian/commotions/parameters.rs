@@ -1,7 +1,7 @@
 //! The parameters of the model (§9): their published names, units, ranges and defaults, declared once.
 
 use super::variant::{self, Accumulation, Sensing, Variant};
-use scenario::{ANOTHER_MODEL, Dimension, Parameter, Settings};
+use scenario::{ANOTHER_MODEL, Dimension, Parameter, Settings, Text};
 
 /// One individual: everything about a road user that is a number, in SI units.
 #[derive(Clone, Debug, PartialEq)]
@@ -374,6 +374,37 @@ impl Parameters {
         }
         parameters
     }
+}
+
+/// The published grid of a parameter that is fitted per individual (§9.1): its ends.
+pub fn published_range(name: &str) -> (f64, f64) {
+    match name {
+        "T_delta" => (10.0, 100.0),
+        "thetaDot_1" => (0.001, 0.1),
+        "T" => (0.1, 0.5),
+        "DeltaV_th_rel" => (0.001, 0.1),
+        "xi_th" => (5e-6, 5e-3),
+        "beta_V" => (1.0, 200.0),
+        "T_Of" => (0.5, 10.0),
+        "sigma_O" => (0.02, 2.0),
+        "sigma_V" => (0.001, 1.0),
+        "tau_d" => (0.5, 500.0),
+        _ => (0.005, 5.0),
+    }
+}
+
+/// Over which ranges the published individuals of a variant lie; of other variants than the default one the whole published grid.
+pub fn individual_ranges(settings: &Settings) -> Vec<(Text, f64, f64)> {
+    let Ok(variant) = settings.word("variant").parse::<Variant>() else { return Vec::new() };
+    let range = |name: &'static str| {
+        let (low, high) = match name {
+            "beta_V" if variant == Variant::STANDARD => (5.848, 200.0),
+            "DeltaV_th_rel" if variant == Variant::STANDARD => (0.001, 0.02154),
+            _ => published_range(name),
+        };
+        (Text::from(name), low, high)
+    };
+    fitted_by(&variant).into_iter().map(range).collect()
 }
 
 /// The published names of the parameters that a variant fits per individual, in the order of the published files.

@@ -1,0 +1,335 @@
+//! `calibrate NAME { … }`
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use super::block::{Layer, missing, reject_repeats};
+use super::criterion;
+use super::literal;
+use super::pedestrian::individuals_of;
+use super::places::Places;
+use super::subject::{StatementSubject, Subjects};
+use crate::codes::Code;
+use crate::diagnostic::Diagnostic;
+use crate::source::Span;
+use crate::syntax;
+use crate::syntax::ast;
+use crate::value::NameScope;
+use scenario::{
+    Calibrate, CandidateSource, DeclaredPedestrian, Individuals, Observations, PopulationShare, Variation,
+};
+
+const MOST_CANDIDATES: u32 = 100_000;
+/// Where nothing is said.
+const RUNS: u32 = 20;
+
+/// The calibration at `node`.
+pub fn calibrate(
+    node: ast::Calibrate,
+    subjects: &Subjects,
+    scope: &NameScope,
+    places: &Places,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Calibrate> {
+    let (name, block) = (node.name(), node.block());
+    reject_repeats(*block, report);
+    let layers = [Layer { block, scope }];
+    let what = format!("calibrate `{}`", name.text());
+    let scenarios = match block.scenarios() {
+        Some(said) => named_scenarios(said, subjects, places, report),
+        None => {
+            missing::<ast::CalibrateIn>(&layers, name.span(), &what, report);
+            None
+        }
+    };
+    let Some(matched) = block.matched() else {
+        missing::<ast::Matched>(&layers, name.span(), &what, report);
+        return None;
+    };
+    let Some(candidates) = block.candidates() else {
+        missing::<ast::Candidates>(&layers, name.span(), &what, report);
+        return None;
+    };
+    let scenarios = scenarios?;
+    let condition = criterion::condition_of_rate(
+        matched.rate(),
+        matched.undefined(),
+        &scenarios[0].1.cast(),
+        scope,
+        report,
+    );
+    let observations = observations(matched, &scenarios, places, report);
+    if let Some(spread) = block.spread()
+        && rate_text(spread.rate()) != rate_text(matched.rate())
+    {
+        let text = rate_text(matched.rate());
+        report.push(
+            Diagnostic::new(
+                Code::BadObservations,
+                spread.rate().span(),
+                format!("the spread is not that of `{text}`"),
+            )
+            .label("another rate")
+            .context(matched.rate().span(), "observed is this")
+            .hint(format!("write `match spread between individuals of {text}`")),
+        );
+    }
+    let folds = match block.folds() {
+        Some(folds) => literal::count(folds.count(), 2, 100, "the number of folds", report),
+        None => Some(0),
+    };
+    let runs = match block.repeat() {
+        Some(repeat) => {
+            literal::count(repeat.count(), 2, 10_000, "the number of runs of a candidate", report)
+        }
+        None => Some(RUNS),
+    };
+    let candidates = candidates_of(candidates, &scenarios, places, report);
+    let able = scenarios.iter().all(|(span, subject)| one_is_weighed(*span, subject, report));
+    if let Some(count) = [Some(matched.rate()), block.spread().map(ast::MatchedSpread::rate)]
+        .into_iter()
+        .flatten()
+        .find(|rate| ast::Aggregate::Rate(*rate).word() != "rate")
+    {
+        report.push(
+            Diagnostic::new(
+                Code::BadObservations,
+                count.span(),
+                "a share of trials is observed, not a count",
+            )
+            .label("counts runs")
+            .hint(format!("write `{}`", rate_text(count).replacen("count", "rate", 1))),
+        );
+        return None;
+    }
+    let (condition, observations, candidates) = (condition?, observations?, candidates?);
+    let targets = observations.rows.len() * (1 + usize::from(block.spread().is_some()));
+    if let CandidateSource::LatinHypercube(count) = candidates
+        && (count as usize) < targets
+    {
+        report.push(
+            unweighable(
+                block.candidates().map_or(name.span(), |said| said.span()),
+                format!("{count} candidates are fewer than the {targets} targets"),
+            )
+            .label("too few to be weighed")
+            .hint("take some hundreds for each target, such as `candidates 2000 by latin_hypercube`"),
+        );
+        return None;
+    }
+    if let (Some(folds), conditions) = (folds, observations.rows.len() as u32)
+        && folds > conditions
+    {
+        report.push(
+            Diagnostic::new(
+                Code::BadObservations,
+                block.folds().map_or(name.span(), |said| said.span()),
+                format!("{folds} folds of {conditions} conditions"),
+            )
+            .label("more than conditions")
+            .hint(format!("take at most {conditions}")),
+        );
+        return None;
+    }
+    able.then_some(Calibrate {
+        name: name.text().to_string(),
+        doc: literal::doc(block.doc()),
+        candidates,
+        scenarios: scenarios.iter().map(|(_, subject)| subject.scenario.name.clone()).collect(),
+        condition,
+        text: rate_text(matched.rate()),
+        observations,
+        spread: block.spread().is_some(),
+        folds: folds?,
+        runs: runs?,
+        origin: places.origin(name.span()),
+    })
+}
+
+/// In canonical words, such as `rate(gap_accepted)`.
+fn rate_text(rate: ast::Rate) -> String {
+    syntax::aggregate_text(ast::Aggregate::Rate(rate))
+}
+
+type Named<'a> = (Span, StatementSubject<'a>);
+
+fn named_scenarios<'a>(
+    said: ast::CalibrateIn,
+    subjects: &Subjects<'a>,
+    places: &Places,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Vec<Named<'a>>> {
+    let mut found: Vec<Named> = Vec::new();
+    for name in said.names() {
+        let subject = subjects.scenario(name.span(), name.text(), &[], places, report)?;
+        if let Some((first, _)) = found.iter().find(|(_, known)| known.scenario.name == name.text()) {
+            report.push(crate::settings::repeated(name.text(), name.span(), *first));
+            return None;
+        }
+        found.push((name.span(), subject));
+    }
+    Some(found)
+}
+
+fn unweighable(span: Span, message: String) -> Diagnostic {
+    Diagnostic::new(Code::BadCandidates, span, message)
+}
+
+/// The pedestrian of a scenario that the candidates are.
+fn weighed(people: &[DeclaredPedestrian]) -> Vec<&DeclaredPedestrian> {
+    let of_population: Vec<_> = people.iter().filter(|person| person.individuals.is_some()).collect();
+    if !of_population.is_empty() {
+        return of_population;
+    }
+    let takes = |person: &&DeclaredPedestrian| {
+        person.model.all().iter().all(|model| model.entry().is_some_and(|model| model.takes_individuals))
+    };
+    people.iter().filter(takes).collect()
+}
+
+fn one_is_weighed(span: Span, subject: &StatementSubject, report: &mut Vec<Diagnostic>) -> bool {
+    let scenario = subject.scenario;
+    let people = weighed(&scenario.pedestrians);
+    if people.len() != 1 || people[0].model.varied_by.is_some() {
+        let message = match people.len() {
+            1 => format!("the model of `{}` varies in `{}`", people[0].name, scenario.name),
+            count => format!("{count} pedestrians of `{}` could be the candidates", scenario.name),
+        };
+        report.push(
+            unweighable(span, message).label("nobody is weighed here").hint(
+                "let one pedestrian take `individuals`, of one model that has them, such as `commotions`",
+            ),
+        );
+        return false;
+    }
+    true
+}
+
+fn candidates_of(
+    node: ast::Candidates,
+    scenarios: &[Named],
+    places: &Places,
+    report: &mut Vec<Diagnostic>,
+) -> Option<CandidateSource> {
+    let number = match node.count() {
+        Some(count) => Some(literal::count(count, 1, MOST_CANDIDATES, "the number of candidates", report)?),
+        None => None,
+    };
+    if node.is_latin_hypercube() {
+        return Some(CandidateSource::LatinHypercube(number?));
+    }
+    let selection = number.map_or(PopulationShare::All, PopulationShare::Count);
+    let person =
+        scenarios.iter().find_map(|(_, subject)| weighed(&subject.scenario.pedestrians).first().copied());
+    let (population, text) = individuals_of(node.population()?, places);
+    let origin = places.origin(node.span());
+    let individuals = Individuals { selection, population, text, origin };
+    person.map(|_| CandidateSource::Population(individuals))
+}
+
+/// What people did, each row about a condition of one of the scenarios.
+fn observations(
+    node: ast::Matched,
+    scenarios: &[Named],
+    places: &Places,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Observations> {
+    let path = node.path();
+    let file = places.beside(path.span(), &path.value());
+    let short =
+        Path::new(&file).file_name().map_or_else(|| file.clone(), |name| name.to_string_lossy().into_owned());
+    let wrong = |message: String| {
+        Diagnostic::new(Code::BadObservations, path.span(), format!("{short}: {message}")).label("read here")
+    };
+    let text = match places.files.text_of(&file, &["csv"]) {
+        Ok(text) => text,
+        Err(error) => {
+            report.push(wrong(error).hint("paths are relative to the file they stand in"));
+            return None;
+        }
+    };
+    let read = match Observations::parse(&short, &text) {
+        Ok(read) => read,
+        Err(error) => {
+            report.push(wrong(error.to_string()).hint(error.hint()));
+            return None;
+        }
+    };
+    let mut conditions = BTreeMap::new();
+    for (span, subject) in scenarios {
+        conditions.insert(subject.scenario.name.as_str(), conditions_of(*span, subject, report)?);
+    }
+    for row in &read.rows {
+        let Some(known) = conditions.get(row.scenario.as_str()) else {
+            let names = conditions.keys().copied();
+            report.push(
+                wrong(format!("row {}: `{}` is none of the scenarios of this block", row.row, row.scenario))
+                    .suggest(&row.scenario, names),
+            );
+            return None;
+        };
+        let fits = |condition: &&Vec<(String, String)>| {
+            condition.len() == row.values.len()
+                && condition.iter().all(|(name, label)| row.is_at(name, label))
+        };
+        if known.iter().find(fits).is_none() {
+            let shown: Vec<String> = known.iter().take(12).map(|condition| words(condition)).collect();
+            report.push(
+                wrong(format!("row {}: there is no condition {}", row.row, row.in_words())).hint(format!(
+                    "`{}` has {}",
+                    row.scenario,
+                    shown.join("; ")
+                )),
+            );
+            return None;
+        }
+    }
+    for (name, _) in &conditions {
+        if !read.rows.iter().any(|row| row.scenario == *name) {
+            report.push(
+                wrong(format!("no row is about `{name}`"))
+                    .hint(format!("add its conditions, or leave `{name}` out of the block")),
+            );
+            return None;
+        }
+    }
+    Some(read)
+}
+
+fn words(condition: &[(String, String)]) -> String {
+    let each: Vec<_> = condition.iter().map(|(name, label)| format!("{name} {label}")).collect();
+    if each.is_empty() { "a single condition, and no column for values".to_string() } else { each.join(", ") }
+}
+
+/// The combinations of what a scenario varies, with the values as they are written.
+fn conditions_of(
+    span: Span,
+    subject: &StatementSubject,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Vec<Vec<(String, String)>>> {
+    let mut all = vec![Vec::new()];
+    for variation in &subject.scenario.variations {
+        let Variation::Grid { names, rows } = variation else {
+            let message =
+                format!("`{}` draws values of `{}`", subject.scenario.name, variation.names().join("`, `"));
+            report.push(
+                unweighable(span, message)
+                    .label("has no conditions that a table could name")
+                    .hint("list the values: `vary gap in [3 s, 4 s, 5 s]`"),
+            );
+            return None;
+        };
+        let add = |condition: &Vec<(String, String)>| {
+            let condition = condition.clone();
+            rows.iter().map(move |row| {
+                let values = names.iter().zip(row).map(|(name, varied)| (name.clone(), varied.label.clone()));
+                condition.iter().cloned().chain(values).collect::<Vec<_>>()
+            })
+        };
+        all = all.iter().flat_map(add).collect();
+        if all.len() > 100_000 {
+            return Some(all);
+        }
+    }
+    Some(all)
+}

@@ -1,0 +1,366 @@
+//! Weights over candidates that match targets within their errors and differ as little as can be from equal ones.
+//!
+//! Of n candidates with features f(i, j) and targets t(j) of error s(j), the weights are w(i) ∝ exp(Σ λ(j) g(i, j)) with
+//! g = (f − t) / s, where λ minimises ln mean exp(λ·g) + (strength / 2) |λ|²: the dual of the least relative entropy to equal weights
+//! plus (1 / 2 strength) Σ mismatch², a mismatch being Σ w g (Jaynes 1957; Dudík, Phillips and Schapire, JMLR 8, 2007, §4). The dual is
+//! strictly convex, so Newton's method with halved steps finds its one minimum, at which every mismatch is −strength · λ.
+
+/// What a weighted mean is to be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WeightTarget {
+    /// The mean wanted.
+    pub value: f64,
+    /// Its standard error, above 0.
+    pub error: f64,
+}
+
+/// Weights, and how well they match.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EntropyWeights {
+    /// One per candidate, not negative, of sum 1.
+    pub weights: Vec<f64>,
+    /// By how many errors the weighted mean of each feature is above its target.
+    pub mismatches: Vec<f64>,
+}
+
+impl EntropyWeights {
+    /// Sum of squared mismatches.
+    pub fn chi_squared(&self) -> f64 {
+        self.mismatches.iter().map(|one| one * one).sum()
+    }
+
+    /// How many candidates of equal weight vary a mean as much.
+    pub fn effective_size(&self) -> f64 {
+        effective_size(&self.weights)
+    }
+}
+
+/// How many equal weights vary a mean as much (Kish 1965): (Σ w)² / Σ w². 0 of no weights.
+pub fn effective_size(weights: &[f64]) -> f64 {
+    let sum: f64 = weights.iter().sum();
+    let squares: f64 = weights.iter().map(|one| one * one).sum();
+    if squares > 0.0 { sum * sum / squares } else { 0.0 }
+}
+
+/// Of the published form: the errors of the targets are the tolerance.
+const STRENGTH: f64 = 1.0;
+/// At which weights are held to equal ones by next to nothing.
+const FREE: f64 = 1e-4;
+
+/// The smallest change from equal weights that matches within the errors of the targets. A row of `features` is a candidate's, one
+/// number for each target.
+///
+/// # Panics
+/// Without candidates or targets, for rows of another length, and for errors that are not positive.
+pub fn maximum_entropy(features: &[Vec<f64>], targets: &[WeightTarget]) -> EntropyWeights {
+    entropy_weights(features, targets, STRENGTH)
+}
+
+/// The mixture that comes nearest to the targets, however few candidates it is of.
+///
+/// # Panics
+/// As [`maximum_entropy`].
+pub fn nearest_mixture(features: &[Vec<f64>], targets: &[WeightTarget]) -> EntropyWeights {
+    entropy_weights(features, targets, FREE)
+}
+
+fn entropy_weights(features: &[Vec<f64>], targets: &[WeightTarget], strength: f64) -> EntropyWeights {
+    Standardised::new(features, targets).solve(strength)
+}
+
+/// Features as errors from their targets, a candidate after the other.
+struct Standardised {
+    rows: Vec<f64>,
+    count: usize,
+}
+
+/// A point of the dual with all that a step needs.
+struct Point {
+    value: f64,
+    weights: Vec<f64>,
+}
+
+const MOST_STEPS: usize = 500;
+/// Of the gradient, in errors.
+const CONVERGED: f64 = 1e-10;
+
+impl Standardised {
+    fn new(features: &[Vec<f64>], targets: &[WeightTarget]) -> Self {
+        assert!(
+            !features.is_empty() && !targets.is_empty(),
+            "there is somebody to weigh, and something to match"
+        );
+        assert!(targets.iter().all(|target| target.error > 0.0), "errors are positive");
+        let mut rows = Vec::with_capacity(features.len() * targets.len());
+        for row in features {
+            assert_eq!(row.len(), targets.len(), "a feature for each target");
+            rows.extend(row.iter().zip(targets).map(|(value, target)| (value - target.value) / target.error));
+        }
+        Self { rows, count: targets.len() }
+    }
+
+    fn each(&self) -> std::slice::ChunksExact<'_, f64> {
+        self.rows.chunks_exact(self.count)
+    }
+
+    fn at(&self, dual: &[f64], strength: f64) -> Point {
+        let mut weights: Vec<f64> = self.each().map(|row| dot(row, dual)).collect();
+        let highest = weights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        weights.iter_mut().for_each(|one| *one = libm::exp(*one - highest));
+        let sum: f64 = weights.iter().sum();
+        weights.iter_mut().for_each(|one| *one /= sum);
+        let value = highest + libm::log(sum / weights.len() as f64) + 0.5 * strength * dot(dual, dual);
+        Point { value, weights }
+    }
+
+    fn means(&self, weights: &[f64]) -> Vec<f64> {
+        let mut means = vec![0.0; self.count];
+        for (row, weight) in self.each().zip(weights) {
+            means.iter_mut().zip(row).for_each(|(mean, value)| *mean += weight * value);
+        }
+        means
+    }
+
+    fn curvature(&self, weights: &[f64], means: &[f64], strength: f64) -> Vec<Vec<f64>> {
+        let mut curvature = vec![vec![0.0; self.count]; self.count];
+        for (row, weight) in self.each().zip(weights) {
+            for (one, line) in curvature.iter_mut().enumerate() {
+                let by = weight * (row[one] - means[one]);
+                for other in 0..=one {
+                    line[other] += by * (row[other] - means[other]);
+                }
+            }
+        }
+        curvature.iter_mut().enumerate().for_each(|(one, line)| line[one] += strength);
+        curvature
+    }
+
+    fn solve(&self, strength: f64) -> EntropyWeights {
+        let mut dual = vec![0.0; self.count];
+        let mut point = self.at(&dual, strength);
+        for _ in 0..MOST_STEPS {
+            let means = self.means(&point.weights);
+            let gradient: Vec<f64> = means.iter().zip(&dual).map(|(mean, at)| mean + strength * at).collect();
+            if gradient.iter().all(|one| one.abs() <= CONVERGED) {
+                break;
+            }
+            let step = descend(self.curvature(&point.weights, &means, strength), &gradient);
+            let slope = dot(&gradient, &step);
+            let mut share = 1.0;
+            let next = loop {
+                let next: Vec<f64> = dual.iter().zip(&step).map(|(at, by)| at + share * by).collect();
+                let found = self.at(&next, strength);
+                if found.value <= point.value + 1e-4 * share * slope {
+                    break Some((next, found));
+                }
+                share *= 0.5;
+                if share < 1e-12 {
+                    break None;
+                }
+            };
+            // No step that rounding does not swallow goes down: this is the minimum.
+            let Some(next) = next else { break };
+            (dual, point) = next;
+        }
+        let mismatches = self.means(&point.weights);
+        EntropyWeights { weights: point.weights, mismatches }
+    }
+}
+
+fn dot(one: &[f64], other: &[f64]) -> f64 {
+    one.iter().zip(other).map(|(one, other)| one * other).sum()
+}
+
+/// Solves for the step of Newton's method by Cholesky's decomposition; the matrix is positive definite, its lower half given.
+fn descend(mut matrix: Vec<Vec<f64>>, gradient: &[f64]) -> Vec<f64> {
+    let count = gradient.len();
+    for row in 0..count {
+        for column in 0..=row {
+            let known: f64 = (0..column).map(|at| matrix[row][at] * matrix[column][at]).sum();
+            let rest = matrix[row][column] - known;
+            matrix[row][column] = if row == column {
+                libm::sqrt(rest.max(f64::MIN_POSITIVE))
+            } else {
+                rest / matrix[column][column]
+            };
+        }
+    }
+    let mut step = vec![0.0; count];
+    for row in 0..count {
+        let known: f64 = (0..row).map(|at| matrix[row][at] * step[at]).sum();
+        step[row] = (-gradient[row] - known) / matrix[row][row];
+    }
+    for row in (0..count).rev() {
+        let known: f64 = (row + 1..count).map(|at| matrix[at][row] * step[at]).sum();
+        step[row] = (step[row] - known) / matrix[row][row];
+    }
+    step
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Stream;
+    use proptest::prelude::*;
+
+    fn problem(seed: u64, candidates: usize, targets: usize) -> (Vec<Vec<f64>>, Vec<WeightTarget>) {
+        let mut stream = Stream::seeded(seed);
+        let row = |stream: &mut Stream| (0..targets).map(|_| stream.uniform()).collect();
+        let features: Vec<Vec<f64>> = (0..candidates).map(|_| row(&mut stream)).collect();
+        let target = |stream: &mut Stream| WeightTarget {
+            value: 0.3 + 0.4 * stream.uniform(),
+            error: 0.02 + 0.05 * stream.uniform(),
+        };
+        let targets = (0..targets).map(|_| target(&mut stream)).collect();
+        (features, targets)
+    }
+
+    /// Relative entropy to equal weights, plus the penalty: what the weights minimise.
+    fn primal(features: &[Vec<f64>], targets: &[WeightTarget], weights: &[f64], strength: f64) -> f64 {
+        let equal = 1.0 / weights.len() as f64;
+        let entropy: f64 =
+            weights.iter().filter(|one| **one > 0.0).map(|one| one * libm::log(one / equal)).sum();
+        let mismatch = |(index, target): (usize, &WeightTarget)| {
+            let mean: f64 = features.iter().zip(weights).map(|(row, weight)| weight * row[index]).sum();
+            (mean - target.value) / target.error
+        };
+        let penalty: f64 = targets.iter().enumerate().map(mismatch).map(|one| one * one).sum();
+        entropy + penalty / (2.0 * strength)
+    }
+
+    /// A second derivation: exponentiated gradient on the primal, which knows no dual.
+    fn by_exponentiated_gradient(features: &[Vec<f64>], targets: &[WeightTarget], strength: f64) -> Vec<f64> {
+        let equal = 1.0 / features.len() as f64;
+        let mut weights = vec![equal; features.len()];
+        let mut rate = 0.01;
+        let mut value = primal(features, targets, &weights, strength);
+        for _ in 0..200_000 {
+            let mismatches: Vec<f64> = (0..targets.len())
+                .map(|index| {
+                    let mean: f64 =
+                        features.iter().zip(&weights).map(|(row, weight)| weight * row[index]).sum();
+                    (mean - targets[index].value) / (targets[index].error * targets[index].error)
+                })
+                .collect();
+            let slope = |row: &Vec<f64>, weight: f64| {
+                let pull: f64 = row.iter().zip(&mismatches).map(|(one, by)| one * by).sum();
+                libm::log(weight / equal) + pull / strength
+            };
+            let next: Vec<f64> = features
+                .iter()
+                .zip(&weights)
+                .map(|(row, weight)| weight * libm::exp(-rate * slope(row, *weight)))
+                .collect();
+            let sum: f64 = next.iter().sum();
+            let next: Vec<f64> = next.into_iter().map(|one| one / sum).collect();
+            let found = primal(features, targets, &next, strength);
+            if found <= value {
+                let step =
+                    weights.iter().zip(&next).map(|(one, other)| (one - other).abs()).fold(0.0, f64::max);
+                (weights, value) = (next, found);
+                rate *= 1.05;
+                if step < 1e-14 {
+                    break;
+                }
+            } else {
+                rate *= 0.5;
+            }
+        }
+        weights
+    }
+
+    #[test]
+    fn a_second_derivation_finds_the_same_weights() {
+        for seed in 0..3 {
+            let (features, targets) = problem(seed, 25, 3);
+            for strength in [0.3, 3.0] {
+                let found = entropy_weights(&features, &targets, strength);
+                let other = by_exponentiated_gradient(&features, &targets, strength);
+                let apart = found.weights.iter().zip(&other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+                assert!(apart < 1e-6, "{apart} at {strength}, seed {seed}");
+            }
+        }
+    }
+
+    #[test]
+    fn two_candidates_are_weighed_as_a_fine_grid_of_weights_says() {
+        let features = vec![vec![0.0], vec![1.0]];
+        let targets = [WeightTarget { value: 0.8, error: 0.1 }];
+        let found = entropy_weights(&features, &targets, 0.5);
+        let best = (1..100_000u32)
+            .map(|step| f64::from(step) / 100_000.0)
+            .min_by(|one, other| {
+                let value = |share: f64| primal(&features, &targets, &[1.0 - share, share], 0.5);
+                value(*one).total_cmp(&value(*other))
+            })
+            .unwrap();
+        assert!((found.weights[1] - best).abs() < 2e-5, "{} and {best}", found.weights[1]);
+    }
+
+    #[test]
+    fn what_matches_already_stays_equal() {
+        let features = vec![vec![0.0], vec![1.0]];
+        let found = maximum_entropy(&features, &[WeightTarget { value: 0.5, error: 0.1 }]);
+        assert_eq!(found.weights, [0.5, 0.5]);
+    }
+
+    #[test]
+    fn what_no_mixture_reaches_has_a_nearest() {
+        let features = vec![vec![0.0], vec![0.2], vec![0.4]];
+        let nearest = nearest_mixture(&features, &[WeightTarget { value: 0.9, error: 0.05 }]);
+        assert!((nearest.mismatches[0] + 10.0).abs() < 0.01, "{nearest:?}");
+        assert!(nearest.weights[2] > 0.99);
+        assert!(nearest.effective_size() < 1.05);
+    }
+
+    #[test]
+    fn small_errors_are_met_exactly_and_large_ones_change_nothing() {
+        let (features, mut targets) = problem(7, 400, 5);
+        targets.iter_mut().for_each(|target| target.error = 1e-6);
+        let exact = maximum_entropy(&features, &targets);
+        for (index, target) in targets.iter().enumerate() {
+            let mean: f64 =
+                features.iter().zip(&exact.weights).map(|(row, weight)| weight * row[index]).sum();
+            assert!((mean - target.value).abs() < 1e-7, "{mean} for {}", target.value);
+        }
+        targets.iter_mut().for_each(|target| target.error = 1e6);
+        let equal = maximum_entropy(&features, &targets);
+        assert!((equal.effective_size() - 400.0).abs() < 1e-6);
+        assert!((exact.weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(20))]
+        #[test]
+        fn the_order_of_candidates_and_of_targets_changes_nothing(seed in 0u64..1000, turn in 1usize..40) {
+            let (features, targets) = problem(seed, 40, 4);
+            let found = entropy_weights(&features, &targets, 1.0);
+            let mut turned: Vec<Vec<f64>> = features.clone();
+            turned.rotate_left(turn);
+            turned.iter_mut().for_each(|row| row.reverse());
+            let mut backwards = targets.clone();
+            backwards.reverse();
+            let mut other = entropy_weights(&turned, &backwards, 1.0).weights;
+            other.rotate_right(turn);
+            for (one, other) in found.weights.iter().zip(&other) {
+                prop_assert!((one - other).abs() < 1e-9);
+            }
+        }
+
+        #[test]
+        fn mismatches_are_those_of_the_minimum(seed in 0u64..1000, strength in 0.01f64..100.0) {
+            let (features, targets) = problem(seed, 60, 4);
+            let found = entropy_weights(&features, &targets, strength);
+            let of = |weights: &[f64]| primal(&features, &targets, weights, strength);
+            let best = of(&found.weights);
+            // Nobody near is better.
+            for pair in 0..59 {
+                let by = (0.01 * found.weights[pair]).min(0.01 * found.weights[pair + 1]);
+                let mut other = found.weights.clone();
+                other[pair] += by;
+                other[pair + 1] -= by;
+                prop_assert!(of(&other) >= best - 1e-12);
+            }
+        }
+    }
+}

@@ -1,0 +1,153 @@
+//! Who is weighed: a Latin hypercube over the ranges of the model, or a population; and who of a scenario they are.
+
+use super::super::error::ExperimentError;
+use numbers::design::Slices;
+use numbers::random::{Stream, derive_seed};
+use scenario::population::Population;
+use scenario::{
+    Calibrate, CandidateSource, DeclaredPedestrian, PedestrianModel, PopulationShare, Scenario, Settings,
+    Value,
+};
+
+/// Parameter sets to be weighed.
+pub struct Candidates {
+    pub model: String,
+    pub variant: Option<String>,
+    pub names: Vec<String>,
+    pub rows: Vec<Vec<f64>>,
+    /// Where they come from.
+    pub words: String,
+}
+
+/// The pedestrian of a scenario that the candidates are.
+pub fn weighed(scenario: &Scenario) -> Option<&DeclaredPedestrian> {
+    let mut people = scenario.pedestrians.iter();
+    let takes = |person: &&DeclaredPedestrian| {
+        person.model.first.entry().is_some_and(|model| model.takes_individuals)
+    };
+    people.clone().find(|person| person.individuals.is_some()).or_else(|| people.find(takes))
+}
+
+impl Candidates {
+    /// Those of a calibration of which `scenario` is one.
+    pub fn of(block: &Calibrate, scenario: &Scenario, seed: u64) -> Result<Self, ExperimentError> {
+        let failed = |reason: String, hint: &str| ExperimentError::Calibration {
+            reason,
+            hint: (!hint.is_empty()).then(|| hint.to_string()),
+        };
+        let no_model = || failed(format!("nobody of `{}` takes individuals", scenario.name), "");
+        let person = weighed(scenario).ok_or_else(no_model)?;
+        let model: &PedestrianModel = person.model.first.entry().ok_or_else(no_model)?;
+        let mut said = Settings::default();
+        for (name, value) in &person.model.settings {
+            if let scenario::Expression::Constant(value) = value {
+                said.set(name.clone(), value.clone());
+            }
+        }
+        let variant = match said.get(scenario::population::VARIANT) {
+            Some(Value::Word(word)) => Some(word.clone()),
+            _ => None,
+        };
+        let mut found = match &block.candidates {
+            CandidateSource::LatinHypercube(count) => {
+                let settings =
+                    model.declaration.fill_in(&said).map_err(|error| failed(error.to_string(), ""))?;
+                Self::hypercube(model, &settings, *count as usize, seed).ok_or_else(|| {
+                    failed(
+                        format!("nobody knows over which ranges people of `{}` lie", model.declaration.name),
+                        "give a population: `candidates all of \"people.csv\"`",
+                    )
+                })?
+            }
+            CandidateSource::Population(people) => {
+                let text = people.text.as_ref().map(|text| text.as_deref().map_err(String::as_str));
+                let read =
+                    Population::parse(&people.population, text, &model.declaration, variant.as_deref());
+                let read = read.map_err(|error| failed(error.to_string(), ""))?;
+                let mut rows = read.individuals;
+                let all = rows.len();
+                if let PopulationShare::Count(count) = people.selection {
+                    if count as usize > all {
+                        let reason =
+                            format!("{count} candidates of `{}`, which has {all}", people.population);
+                        return Err(failed(reason, &format!("take at most {all}")));
+                    }
+                    Stream::seeded(derive_seed(seed, "candidates")).draw(&mut rows, count as usize);
+                }
+                let name = std::path::Path::new(&people.population).file_name();
+                let name = name
+                    .map_or_else(|| people.population.clone(), |name| name.to_string_lossy().into_owned());
+                let words = format!("{} of the {all} of {name}", rows.len());
+                let variant = read.variant.or_else(|| variant.clone());
+                Self { model: read.model, variant, names: read.parameters, rows, words }
+            }
+        };
+        found.variant = found.variant.or(variant);
+        if let Some((name, _)) = person.model.settings.iter().find(|(name, _)| found.names.contains(name)) {
+            let reason = format!(
+                "`{}` of `{}` is said in the scenario, so that no candidate has its own",
+                name, person.name
+            );
+            return Err(failed(reason, &format!("leave `{name}` out of the model's settings")));
+        }
+        let targets = block.observations.rows.len() * (1 + usize::from(block.spread));
+        if found.rows.len() < targets {
+            let reason = format!("{} candidates are fewer than the {targets} targets", found.rows.len());
+            return Err(failed(reason, "take some hundreds for each target"));
+        }
+        Ok(found)
+    }
+
+    /// `count` rows in a Latin hypercube on log scales; `None` where the model says no ranges.
+    fn hypercube(model: &PedestrianModel, settings: &Settings, count: usize, seed: u64) -> Option<Self> {
+        let ranges = (model.individual_ranges)(settings);
+        if ranges.is_empty() {
+            return None;
+        }
+        let mut stream = Stream::seeded(derive_seed(seed, "candidates"));
+        let slices: Vec<Slices> = ranges.iter().map(|_| Slices::drawn(count, &mut stream)).collect();
+        let rows = (0..count)
+            .map(|index| {
+                let value = |((_, low, high), slices): (&(_, f64, f64), &Slices)| {
+                    let share = slices.place(index, &mut stream);
+                    six_digits(low * libm::pow(high / low, share))
+                };
+                ranges.iter().zip(&slices).map(value).collect()
+            })
+            .collect();
+        let said: Vec<_> = ranges.iter().map(|(name, low, high)| format!("{name} {low}..{high}")).collect();
+        Some(Self {
+            model: model.declaration.name.to_string(),
+            variant: match settings.get(scenario::population::VARIANT) {
+                Some(Value::Word(word)) => Some(word.clone()),
+                _ => None,
+            },
+            names: ranges.iter().map(|(name, ..)| name.to_string()).collect(),
+            rows,
+            words: format!("{count} in a Latin hypercube (log scales) over {}", said.join(", ")),
+        })
+    }
+
+    /// The parameters of the candidate with this index.
+    pub fn settings(&self, index: usize) -> Settings {
+        let mut settings = Settings::default();
+        if let Some(variant) = &self.variant {
+            settings.set(scenario::population::VARIANT, Value::Word(variant.clone()));
+        }
+        for (name, value) in self.names.iter().zip(&self.rows[index]) {
+            settings.set(name.clone(), Value::Number(*value));
+        }
+        settings
+    }
+
+    /// What noise the candidate has, wherever it stands among the others.
+    pub fn noise(&self, index: usize) -> String {
+        let mut named: Vec<_> = self.names.iter().zip(&self.rows[index]).collect();
+        named.sort_by_key(|(name, _)| *name);
+        named.iter().map(|(name, value)| format!("{name}={:016x},", value.to_bits())).collect()
+    }
+}
+
+fn six_digits(value: f64) -> f64 {
+    format!("{value:.5e}").parse().unwrap_or(value)
+}
