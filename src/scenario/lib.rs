@@ -96,7 +96,7 @@ pub use ground::{DeclaredGround, GRAVITY, Ground};
 pub use individuals::{Individuals, PopulationShare};
 pub use metric::{Absence, Meters, Metric, MetricKind, MetricRange, Scope, Worst};
 pub use notation::{Notation, Written, out_of_range, show, show_apart, show_both, show_outside};
-pub use observations::{Observation, ObservationError, Observations};
+pub use observations::{ObservationError, Observations, ObservedRow};
 pub use optimisation::{
     Budget, CaseSet, Goal, InitialDesign, Objective, Part, RangeValues, SampleSize, Search, SearchMethod,
     SearchRange, ShownIn, Target, Tune,

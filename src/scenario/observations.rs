@@ -14,12 +14,12 @@ pub struct Observations {
     /// The file, for messages.
     pub file: String,
     /// In the order of the file.
-    pub rows: Vec<Observation>,
+    pub rows: Vec<ObservedRow>,
 }
 
 /// What people did in a condition.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Observation {
+pub struct ObservedRow {
     /// Counted from 1, without header and comments.
     pub row: usize,
     /// The scenario.
@@ -169,7 +169,7 @@ impl Observations {
             let listed = if listed.is_empty() { "none".to_string() } else { listed.join(", ") };
             return Err(ObservationError::Counts(listed));
         }
-        let mut rows: Vec<Observation> = Vec::new();
+        let mut rows: Vec<ObservedRow> = Vec::new();
         for (index, record) in reader.records().enumerate() {
             let row = observation(index + 1, &header, &record.map_err(malformed)?)?;
             if let Some(first) = rows.iter().find(|one| one.is_about_what(&row)) {
@@ -188,7 +188,7 @@ fn observation(
     row: usize,
     header: &[String],
     record: &csv::StringRecord,
-) -> Result<Observation, ObservationError> {
+) -> Result<ObservedRow, ObservationError> {
     let bad = |column: &str, found: &str, expected| ObservationError::Cell {
         row,
         column: column.to_string(),
@@ -198,7 +198,7 @@ fn observation(
     let whole = |column: &str, found: &str| {
         found.parse::<u32>().map_err(|_| bad(column, found, "whole number from 0 on"))
     };
-    let mut one = Observation {
+    let mut one = ObservedRow {
         row,
         scenario: String::new(),
         values: Vec::new(),
@@ -237,7 +237,7 @@ fn observation(
     Ok(one)
 }
 
-impl Observation {
+impl ObservedRow {
     fn is_about_what(&self, other: &Self) -> bool {
         self.scenario == other.scenario && other.values.iter().all(|(name, value)| self.is_at(name, value))
     }

@@ -4,7 +4,6 @@ use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use files::Memory;
-use lang::Failure;
 use models::standard;
 use results::{BlockResult, CalibrateResult};
 use runner::experiment::{BlockProgress, Context, EarlierResults, ExperimentError, Silent, run_block};
@@ -44,13 +43,14 @@ calibrate people {{
 
 const MATCHED: &str = "candidates 40 by latin_hypercube\n  match rate(gap_accepted) to \"people.csv\" undefined fails\n  folds 2";
 
-fn load(block: &str, rows: &str) -> Result<Suite, Failure> {
+fn load(block: &str, rows: &str) -> Suite {
     let files = Memory::default()
         .with("people.scn", text(block))
         .with("people.csv", format!("{HEADER}{rows}"))
         .with("them.csv", "T_delta, T, beta_V\n20, 0.2, 20\n40, 0.3, 10\n80, 0.1, 50\n15, 0.4, 100\n")
         .with("turned.csv", "beta_V, T_delta, T\n100, 15, 0.4\n20, 20, 0.2\n50, 80, 0.1\n10, 40, 0.3\n");
-    lang::load(Path::new("people.scn"), &standard(), &files).map(|loaded| loaded.suite)
+    let loaded = lang::load(Path::new("people.scn"), &standard(), &files);
+    loaded.unwrap_or_else(|_| panic!("it is right")).suite
 }
 
 fn run(
@@ -71,7 +71,7 @@ fn run(
 }
 
 fn calibrated(block: &str, rows: &str, executor: &dyn Executor) -> Result<CalibrateResult, ExperimentError> {
-    let suite = load(block, rows).unwrap_or_else(|_| panic!("it is right"));
+    let suite = load(block, rows);
     run(&suite, executor, None, &Stop::default(), &Silent)
 }
 
@@ -122,7 +122,7 @@ impl BlockProgress for StopsAt {
 #[test]
 fn what_is_cut_off_goes_on_to_the_same_weights() {
     let folder = tempfile::tempdir().unwrap();
-    let suite = load(MATCHED, &ROWS.concat()).unwrap_or_else(|_| panic!("it is right"));
+    let suite = load(MATCHED, &ROWS.concat());
     let whole = run(&suite, &Threads::new(2), None, &Stop::default(), &Silent).unwrap();
     let stop = Stop::default();
     let stops = StopsAt(stop.clone(), AtomicUsize::new(0));

@@ -268,11 +268,11 @@ fn observations(
             );
             return None;
         };
-        let fits = |condition: &&Vec<(String, String)>| {
+        let fits = |condition: &Vec<(String, String)>| {
             condition.len() == row.values.len()
                 && condition.iter().all(|(name, label)| row.is_at(name, label))
         };
-        if known.iter().find(fits).is_none() {
+        if !known.iter().any(fits) {
             let shown: Vec<String> = known.iter().take(12).map(|condition| words(condition)).collect();
             report.push(
                 wrong(format!("row {}: there is no condition {}", row.row, row.in_words())).hint(format!(
@@ -284,7 +284,7 @@ fn observations(
             return None;
         }
     }
-    for (name, _) in &conditions {
+    for name in conditions.keys() {
         if !read.rows.iter().any(|row| row.scenario == *name) {
             report.push(
                 wrong(format!("no row is about `{name}`"))

@@ -383,7 +383,7 @@ pub static CALIBRATE_BLOCK: BlockEntry = BlockEntry {
             "in crossing_plain, crossing_zebra",
             "The scenarios whose conditions people were observed in.",
         )
-        .key("in", YamlShape::Commas)
+        .key("in", YamlShape::Words)
         .needed("scenarios", "in SCENARIO"),
         statement(
             "match spread",

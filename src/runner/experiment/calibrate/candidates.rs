@@ -10,7 +10,7 @@ use scenario::{
 };
 
 /// Parameter sets to be weighed.
-pub struct Candidates {
+pub struct WeighedCandidates {
     pub model: String,
     pub variant: Option<String>,
     pub names: Vec<String>,
@@ -28,7 +28,7 @@ pub fn weighed(scenario: &Scenario) -> Option<&DeclaredPedestrian> {
     people.clone().find(|person| person.individuals.is_some()).or_else(|| people.find(takes))
 }
 
-impl Candidates {
+impl WeighedCandidates {
     /// Those of a calibration of which `scenario` is one.
     pub fn of(block: &Calibrate, scenario: &Scenario, seed: u64) -> Result<Self, ExperimentError> {
         let failed = |reason: String, hint: &str| ExperimentError::Calibration {

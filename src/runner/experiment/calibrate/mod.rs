@@ -10,17 +10,17 @@ mod weigh;
 use super::context::{BlockProgress, Context};
 use super::error::ExperimentError;
 use crate::plan;
-use candidates::{Candidates, weighed};
+use candidates::{WeighedCandidates, weighed};
 use numbers::inference::effective_size;
 use numbers::random::derive_seed;
 use observed::Observed;
-use record::{Done, Record};
+use record::{HeldRecord, HeldRuns};
 use results::judge::Seen;
 use results::{CalibrateResult, CalibratedCondition, CalibratedShare, Outcome};
-use scenario::{Assignment, Calibrate, Case, Individual, Observation, Scenario, WhenUndefined};
+use scenario::{Assignment, Calibrate, Case, Individual, ObservedRow, Scenario, WhenUndefined};
 use weigh::{Features, Weighing, mean, percent, rms};
 
-/// Candidates of a round, after which they are written into the journal.
+/// WeighedCandidates of a round, after which they are written into the journal.
 const AT_ONCE: usize = 20;
 /// Fresh noise is for candidates of as much weight together; the others change nothing that could be seen.
 const FRESH_WEIGHT: f64 = 0.99;
@@ -35,7 +35,7 @@ struct Condition<'a> {
     /// The pedestrian that the candidates are.
     who: String,
     variation: Vec<Assignment>,
-    row: &'a Observation,
+    row: &'a ObservedRow,
 }
 
 impl Condition<'_> {
@@ -57,10 +57,10 @@ pub fn run_calibrate(
 ) -> Result<CalibrateResult, ExperimentError> {
     let seed = derive_seed(context.suite.seed, &format!("calibrate/{}", block.name));
     let conditions = conditions(context, block)?;
-    let candidates = Candidates::of(block, context.scenario(&block.scenarios[0])?, seed)?;
+    let candidates = WeighedCandidates::of(block, context.scenario(&block.scenarios[0])?, seed)?;
     let scenarios: Vec<&Scenario> = conditions.iter().map(|one| &one.scenario).collect();
     let inputs = (block, seed, &candidates.names, &candidates.rows, &candidates.variant, scenarios);
-    let mut record = Record::open(context.journals.as_deref(), &block.name, &inputs, conditions.len())
+    let mut record = HeldRecord::open(context.journals.as_deref(), &block.name, &inputs, conditions.len())
         .map_err(|error| failed(format!("its journal: {error}"), None))?;
     context.tell(record.notice.as_deref());
 
@@ -69,7 +69,7 @@ pub fn run_calibrate(
     let all = everybody.len();
     let done = trial.make(&mut record, 0, &everybody, |count| progress.evaluated(count, 2 * all, None))?;
     let features = Features::new(&done, block.runs);
-    let rows: Vec<&Observation> = conditions.iter().map(|one| one.row).collect();
+    let rows: Vec<&ObservedRow> = conditions.iter().map(|one| one.row).collect();
     let observed: Vec<Observed> = rows.iter().map(|row| Observed::of(row)).collect();
     let weighing = Weighing { features: &features, observed: &observed, rows: &rows, spread: block.spread };
     let undefined = trial.undefined(&done)?;
@@ -241,7 +241,7 @@ fn conditions<'a>(context: &Context, block: &'a Calibrate) -> Result<Vec<Conditi
             }
         }
         for variation in plan::combinations(context.suite.seed, &scenario, plan::Variables::new())? {
-            let of = |row: &&Observation| {
+            let of = |row: &&ObservedRow| {
                 row.scenario == *name && variation.iter().all(|one| row.is_at(&one.name, &one.label))
             };
             if let Some(row) = block.observations.rows.iter().find(of) {
@@ -257,12 +257,12 @@ fn conditions<'a>(context: &Context, block: &'a Calibrate) -> Result<Vec<Conditi
     Ok(found)
 }
 
-/// Candidates in conditions.
+/// WeighedCandidates in conditions.
 struct Trial<'a> {
     context: &'a Context<'a>,
     block: &'a Calibrate,
     conditions: &'a [Condition<'a>],
-    candidates: &'a Candidates,
+    candidates: &'a WeighedCandidates,
     seed: u64,
 }
 
@@ -270,11 +270,11 @@ impl Trial<'_> {
     /// What these candidates do in every condition, in their order; `progress` is told how many are done.
     fn make(
         &self,
-        record: &mut Record,
+        record: &mut HeldRecord,
         pass: u32,
         who: &[usize],
         progress: impl Fn(usize),
-    ) -> Result<Vec<Vec<Done>>, ExperimentError> {
+    ) -> Result<Vec<Vec<HeldRuns>>, ExperimentError> {
         let unknown: Vec<usize> =
             who.iter().copied().filter(|one| record.known(pass, *one).is_none()).collect();
         let known = who.len() - unknown.len();
@@ -343,9 +343,9 @@ impl Trial<'_> {
         Ok((1..=self.block.runs).map(case).collect())
     }
 
-    fn done(&self, outcomes: &[Outcome]) -> Done {
+    fn done(&self, outcomes: &[Outcome]) -> HeldRuns {
         let condition = &self.block.condition;
-        let mut done = Done::default();
+        let mut done = HeldRuns::default();
         for seen in self.context.seen(&condition.metric, outcomes) {
             match seen {
                 Seen::Value(_) => done.held += u32::from(seen.holds(condition, false)),
@@ -359,7 +359,7 @@ impl Trial<'_> {
     }
 
     /// The share of runs of each candidate in each condition that say nothing; an error where the block does not say what they are.
-    fn undefined(&self, done: &[Vec<Done>]) -> Result<Vec<Vec<f64>>, ExperimentError> {
+    fn undefined(&self, done: &[Vec<HeldRuns>]) -> Result<Vec<Vec<f64>>, ExperimentError> {
         let runs = f64::from(self.block.runs);
         if self.block.condition.when_undefined == WhenUndefined::AsDeclared {
             for (index, condition) in self.conditions.iter().enumerate() {

@@ -3,7 +3,7 @@
 use numbers::distributions::beta_quantile;
 use numbers::inference::WeightTarget;
 use numbers::random::Stream;
-use scenario::Observation;
+use scenario::ObservedRow;
 
 /// Half of what lies within a standard error of a normal distribution, and a half.
 const ONE_ERROR: f64 = 0.841_344_746_068_542_9;
@@ -18,7 +18,7 @@ pub struct Observed {
 }
 
 impl Observed {
-    pub fn of(row: &Observation) -> Self {
+    pub fn of(row: &ObservedRow) -> Self {
         let most = row.by_count.len() - 1;
         let share = |count: usize| count as f64 / most as f64;
         let pairs = |count: usize| (count * count.saturating_sub(1)) as f64 / (most * (most - 1)) as f64;
@@ -29,7 +29,7 @@ impl Observed {
     }
 
     /// Of as many persons, drawn from these with replacement. The error stays that of what was observed.
-    pub fn resampled(row: &Observation, stream: &mut Stream) -> Self {
+    pub fn resampled(row: &ObservedRow, stream: &mut Stream) -> Self {
         let mut persons = Vec::new();
         for (count, number) in row.by_count.iter().enumerate() {
             persons.extend(std::iter::repeat_n(count, *number as usize));
@@ -42,7 +42,7 @@ impl Observed {
         let held: u32 = by_count.iter().zip(0..).map(|(persons, count)| persons * count).sum();
         let share = f64::from(held) / (row.persons as usize * most) as f64;
         let own = Self::of(row);
-        let drawn = Self::of(&Observation { by_count, share, ..row.clone() });
+        let drawn = Self::of(&ObservedRow { by_count, share, ..row.clone() });
         Self {
             share: WeightTarget { value: share, ..own.share },
             spread: WeightTarget { value: drawn.spread.value, ..own.spread },
@@ -76,8 +76,8 @@ fn target(by_count: &[u32], of: impl Fn(usize) -> f64) -> WeightTarget {
 mod tests {
     use super::*;
 
-    fn row(share: f64, by_count: [u32; 5]) -> Observation {
-        Observation {
+    fn row(share: f64, by_count: [u32; 5]) -> ObservedRow {
+        ObservedRow {
             row: 1,
             scenario: String::new(),
             values: Vec::new(),

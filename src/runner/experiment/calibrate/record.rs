@@ -13,7 +13,7 @@ const FORMAT: LogFormat = LogFormat { name: "scenario-runner journal of weighed 
 
 /// In how many runs of a condition a candidate did it, and in how many that cannot be said.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-pub struct Done {
+pub struct HeldRuns {
     pub held: u32,
     pub undefined: u32,
 }
@@ -24,17 +24,17 @@ struct Entry {
     /// 0: the runs that weights come from; 1: fresh noise.
     pass: u32,
     candidate: usize,
-    done: Vec<Done>,
+    done: Vec<HeldRuns>,
 }
 
 /// What is known so far, in a file if there is a folder for it.
-pub struct Record {
-    known: BTreeMap<(u32, usize), Vec<Done>>,
+pub struct HeldRecord {
+    known: BTreeMap<(u32, usize), Vec<HeldRuns>>,
     log: Option<Log>,
     pub notice: Option<String>,
 }
 
-impl Record {
+impl HeldRecord {
     /// `inputs` is everything that decides what candidates do; it and the version are part of the file's name.
     pub fn open(
         folder: Option<&Path>,
@@ -66,11 +66,11 @@ impl Record {
         Ok(Self { known, log: Some(log), notice: found.notice })
     }
 
-    pub fn known(&self, pass: u32, candidate: usize) -> Option<&Vec<Done>> {
+    pub fn known(&self, pass: u32, candidate: usize) -> Option<&Vec<HeldRuns>> {
         self.known.get(&(pass, candidate))
     }
 
-    pub fn add(&mut self, pass: u32, candidate: usize, done: Vec<Done>) -> Result<(), LogError> {
+    pub fn add(&mut self, pass: u32, candidate: usize, done: Vec<HeldRuns>) -> Result<(), LogError> {
         let entry = Entry { pass, candidate, done };
         if let Some(log) = &mut self.log {
             log.append(&entry)?;

@@ -1,10 +1,10 @@
 //! From what candidates did to weights: the fit, conditions held back, other persons, and what no mixture reaches.
 
 use super::observed::Observed;
-use super::record::Done;
+use super::record::HeldRuns;
 use numbers::inference::{EntropyWeights, WeightTarget, maximum_entropy, nearest_mixture};
 use numbers::random::{Draws, Stream, derive_seed};
-use scenario::Observation;
+use scenario::ObservedRow;
 
 /// Populations of persons drawn again.
 const RESAMPLED: usize = 20;
@@ -19,11 +19,12 @@ pub struct Features {
 }
 
 impl Features {
-    pub fn new(done: &[Vec<Done>], runs: u32) -> Self {
+    pub fn new(done: &[Vec<HeldRuns>], runs: u32) -> Self {
         let runs = f64::from(runs);
-        let share = |one: &Done| f64::from(one.held) / runs;
+        let share = |one: &HeldRuns| f64::from(one.held) / runs;
         // Without bias, unlike the square of the share.
-        let spread = |one: &Done| f64::from(one.held) * (f64::from(one.held) - 1.0) / (runs * (runs - 1.0));
+        let spread =
+            |one: &HeldRuns| f64::from(one.held) * (f64::from(one.held) - 1.0) / (runs * (runs - 1.0));
         Self {
             shares: done.iter().map(|row| row.iter().map(share).collect()).collect(),
             spreads: done.iter().map(|row| row.iter().map(spread).collect()).collect(),
@@ -56,7 +57,7 @@ fn targets(observed: &[Observed], conditions: &[usize], spread: bool) -> Vec<Wei
 pub struct Weighing<'a> {
     pub features: &'a Features,
     pub observed: &'a [Observed],
-    pub rows: &'a [&'a Observation],
+    pub rows: &'a [&'a ObservedRow],
     pub spread: bool,
 }
 
