@@ -5,12 +5,16 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Subcommand};
 
 use super::{Exit, number};
+use files::{Disk, Files};
 use models::calibrate::{
     Calibration, PUBLISHED_SHARE, Request, calibrate, published_candidates, published_criteria,
 };
-use models::pedestrian::commotions::Variant;
+use models::pedestrian::commotions::held_back::{HeldBackScenario, HikerPersons, held_back};
 use models::pedestrian::commotions::hiker::{HikerComparison, HikerReference};
+use models::pedestrian::commotions::model::commotions;
+use models::pedestrian::commotions::{Parameters, Variant};
 use report::console::{stderr, stdout};
+use scenario::population::Population;
 
 #[derive(Debug, Args)]
 pub struct ValidateArguments {
@@ -30,6 +34,15 @@ enum What {
         /// Decides the noise of every run.
         #[arg(long, default_value_t = 20_261_121)]
         seed: u64,
+        /// Puts this population beside the people of the experiment instead: a name that ships, or a file.
+        #[arg(long, value_name = "POPULATION", requires = "persons")]
+        population: Option<String>,
+        /// What each person did, `hiker_persons.json`.
+        #[arg(long, value_name = "FILE", requires = "population")]
+        persons: Option<PathBuf>,
+        /// How many of the population, evenly spaced in it.
+        #[arg(long, value_name = "N", default_value_t = 1000, value_parser = number::some())]
+        members: usize,
     },
     /// The share of the published candidates of the default COMMOTIONS variant that calibration retains.
     Retention {
@@ -46,7 +59,15 @@ enum What {
 
 pub fn run(arguments: &ValidateArguments) -> Exit {
     let result = match &arguments.what {
-        What::Hiker { reference, repetitions, seed } => hiker(reference, *repetitions, *seed),
+        What::Hiker { reference, repetitions, seed, population, persons, members } => {
+            match population.as_deref().zip(persons.as_deref()) {
+                Some((population, persons)) => {
+                    let runs = (*members, (*repetitions).max(2), *seed);
+                    people_of_hiker(reference, population, persons, runs)
+                }
+                None => hiker(reference, *repetitions, *seed),
+            }
+        }
         What::Retention { individuals, candidates, seed } => retention(individuals, *candidates, *seed),
     };
     result.unwrap_or_else(|error| {
@@ -72,6 +93,66 @@ fn hiker(file: &Path, repetitions: u32, seed: u64) -> Result<Exit, Box<dyn std::
         );
     }
     Ok(if agree == comparisons.len() { Exit::Success } else { Exit::Failed })
+}
+
+/// A population beside the people of HIKER, whom no calibration of ours has seen: what it does, and how far that is off.
+fn people_of_hiker(
+    file: &Path,
+    population: &str,
+    persons: &Path,
+    (members, repetitions, seed): (usize, u32, u64),
+) -> Result<Exit, Box<dyn std::error::Error>> {
+    let (reference, persons) = (HikerReference::read(file)?, HikerPersons::read(persons)?);
+    let declaration = commotions().declaration;
+    let text = Disk.read_text(Path::new(population), &["csv", "json"]).map_err(|error| error.to_string());
+    let known =
+        Population::parse(population, Some(text.as_deref().map_err(String::as_str)), &declaration, None)?;
+    let members = members.min(known.len());
+    let number = |index: usize| index * known.len() / members + known.len() / members / 2 + 1;
+    let people = (0..members).filter_map(|index| known.individual(number(index).min(known.len())));
+    let people: Vec<Parameters> = people.map(|settings| Parameters::from_settings(&settings)).collect();
+    let variant = known.variant.as_deref().map_or(Ok(Variant::STANDARD), str::parse)?;
+    let found = held_back(&reference, &persons, &variant, &people, repetitions, seed);
+    writeln!(
+        stdout(),
+        "{} of {population}, digest {}, {repetitions} times each",
+        people.len(),
+        known.digest()
+    );
+    writeln!(
+        stdout(),
+        "crossed before the second car (%)      | spread (%)     | median initiation time (s)"
+    );
+    writeln!(stdout(), "scenario    people       {population:.9}  apart | people   here  | people   here");
+    for one in &found {
+        let second =
+            |value: Option<f64>| value.map_or_else(|| "–".to_string(), |value| format!("{value:.2}"));
+        writeln!(
+            stdout(),
+            "{:8} {:6.1} ± {:3.1} {:8.1}  {:+6.1}  | {:6.1} {:6.1}  | {:>6} {:>6}",
+            one.scenario,
+            100.0 * one.observed,
+            100.0 * one.error,
+            100.0 * one.share,
+            100.0 * (one.share - one.observed),
+            100.0 * one.observed_spread,
+            100.0 * one.spread,
+            second(one.observed_start),
+            second(one.start),
+        );
+    }
+    let rms = |of: &dyn Fn(&HeldBackScenario) -> Option<f64>| {
+        let errors: Vec<f64> = found.iter().filter_map(of).collect();
+        (errors.iter().map(|error| error * error).sum::<f64>() / errors.len().max(1) as f64).sqrt()
+    };
+    writeln!(
+        stdout(),
+        "root mean square error: shares {:.1} points, spread {:.1} points, initiation times {:.2} s",
+        100.0 * rms(&|one| Some(one.share - one.observed)),
+        100.0 * rms(&|one| Some(one.spread - one.observed_spread)),
+        rms(&|one| Some(one.start? - one.observed_start?)),
+    );
+    Ok(Exit::Success)
 }
 
 fn row(c: &HikerComparison) -> String {

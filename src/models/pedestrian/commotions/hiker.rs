@@ -58,10 +58,22 @@ pub struct HikerScenario {
     ped_d0: f64,
     end_time: f64,
     profile: Vec<(f64, f64)>,
-    #[serde(rename = "human")]
-    _human: serde_json::Value,
+    /// What people did.
+    pub human: HikerPeople,
     /// The reference program's runs.
     pub model: ReferenceRuns,
+}
+
+/// What people did in a scenario.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct HikerPeople {
+    /// How many trials.
+    pub trials: u32,
+    /// Share of them in which they crossed before the vehicle.
+    pub crossed_before: f64,
+    /// Quantiles of their initiation times (s after the first car passed); `None` where too few crossed.
+    pub quantiles: Option<Vec<f64>>,
 }
 
 /// What came out of the reference program's runs.
@@ -220,7 +232,12 @@ fn share_below(values: &[f64], threshold: f64) -> f64 {
 
 impl HikerScenario {
     /// When the pedestrian starts to cross (s after the first car passed), if it crosses before the second.
-    fn start_of_crossing(&self, variant: &Variant, individual: &Parameters, seed: u64) -> Option<f64> {
+    pub(super) fn start_of_crossing(
+        &self,
+        variant: &Variant,
+        individual: &Parameters,
+        seed: u64,
+    ) -> Option<f64> {
         let meeting = Meeting {
             pedestrian: (self.ped_d0, 0.0),
             vehicle: (self.veh_d0, self.vehicle_speed),

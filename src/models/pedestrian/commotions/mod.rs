@@ -21,6 +21,7 @@ pub mod belief;
 pub mod decision;
 pub mod draws;
 mod following;
+pub mod held_back;
 pub mod hiker;
 pub mod looming;
 pub mod meeting;
