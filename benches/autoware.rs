@@ -43,6 +43,7 @@ fn controller() -> Box<dyn Controller> {
         start: VehicleStart::Distance(60.0),
         behind: 0.0,
         sees: None,
+        obeys_signals: false,
     };
     let world = World {
         road: Road::zebra(&[Direction::Forward], CRUISE),
@@ -76,6 +77,7 @@ fn observation(pedestrians: usize) -> Observation {
             speed_limit: CRUISE,
             crossing_width: 4.0,
             pedestrian_priority: true,
+            signal: None,
             right_kerb: -2.0,
             left_kerb: 2.0,
             gradient: None,

@@ -103,6 +103,7 @@ fn world() -> World {
             start: VehicleStart::Distance(80.0),
             behind: 0.0,
             sees: None,
+            obeys_signals: false,
         }],
         pedestrians: vec![PedestrianSetup {
             kind: Default::default(),
@@ -116,6 +117,7 @@ fn world() -> World {
             crossing: 0,
             appears: Appearance::At(0.0),
             reference: 0.0,
+            obeys_signals: false,
         }],
         step: STEP,
         horizon: 60.0,

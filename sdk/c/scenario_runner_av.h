@@ -21,12 +21,13 @@ typedef struct { double id, x, y, vx, vy, ax, ay, length, width; } sr_other;
 /* How far ahead the curvature of the lane changes (m), and what it is there (1/m, to the left). */
 typedef struct { double distance, curvature; } sr_change;
 
-/* The scene of one decision; `time` in s, negative before the run begins; `signal` is 1 where vehicles have green. `travelled` is along
+/* The scene of one decision; `time` in s, negative before the run begins; `signal` is 1 where vehicles have green, `amber` where they
+ * have amber, and `stop_line` how far before the edge of the crossing they stop, all NAN without a signal. `travelled` is along
  * the lane from the middle of the crossing, `gradient` NAN on a road that says none. From `curvature` on the lane bends evenly from each
  * `change` to the next, and not at all behind the last, for 150 m; two at one distance are a jump. */
 typedef struct {
     double time, is_new, cruise_speed, distance_to_crossing, speed, acceleration, length, width, lane_width, speed_limit,
-        crossing_width, pedestrian_priority, signal, right_kerb, left_kerb, travelled, curvature, gradient;
+        crossing_width, pedestrian_priority, signal, right_kerb, left_kerb, travelled, curvature, gradient, amber, stop_line;
     int pedestrians, vehicles, changes;
     const sr_other *pedestrian, *vehicle;
     const sr_change *change;
@@ -176,7 +177,7 @@ static inline void sr_open(const sr_controller *own, const char *open, sr_buffer
 static inline int sr_serve(const sr_controller *own, int argc, char **argv) {
     FILE *in = fdopen(dup(0), "rb"), *out = fdopen(dup(1), "wb");
     sr_buffer request = {0, 0, 0}, answer = {0, 0, 0}, others = {0, 0, 0}, bends = {0, 0, 0}, errors = {0, 0, 0};
-    int places[39], widths[4], at_once = own->runs_at_once;
+    int places[41], widths[4], at_once = own->runs_at_once;
     uint32_t width = !strcmp(own->gives, "pedals") ? 2 : !strcmp(own->gives, "speed_plan") ? 32 : 1;
     if (!in || !out || !freopen("/dev/null", "r", stdin) || dup2(2, 1) < 0) return 1;
     for (int index = 1; index < argc; index++)
@@ -190,12 +191,12 @@ static inline int sr_serve(const sr_controller *own, int argc, char **argv) {
                            "slot time new cruise_speed distance_to_crossing speed acceleration length width lane_width speed_limit "
                            "crossing_width pedestrian_priority signal right_kerb left_kerb", places);
     /* Those of lanes, which are asked for, go on behind. */
-    int lanes = sr_columns(sr_get(request.bytes, "hello"), "lanes", "travelled curvature gradient", places + 16);
-    for (int index = 16; index < 19; index++) if (places[index] >= 0) places[index] += widths[0];
+    int lanes = sr_columns(sr_get(request.bytes, "hello"), "lanes", "travelled curvature gradient amber stop_line", places + 16);
+    for (int index = 16; index < 21; index++) if (places[index] >= 0) places[index] += widths[0];
     widths[0] += lanes;
-    widths[1] = sr_columns(sr_get(request.bytes, "hello"), "pedestrians", "id x y vx vy ax ay length width", places + 19);
-    widths[2] = sr_columns(sr_get(request.bytes, "hello"), "vehicles", "id x y vx vy ax ay length width", places + 28);
-    widths[3] = sr_columns(sr_get(request.bytes, "hello"), "curvature_ahead", "distance curvature", places + 37);
+    widths[1] = sr_columns(sr_get(request.bytes, "hello"), "pedestrians", "id x y vx vy ax ay length width", places + 21);
+    widths[2] = sr_columns(sr_get(request.bytes, "hello"), "vehicles", "id x y vx vy ax ay length width", places + 30);
+    widths[3] = sr_columns(sr_get(request.bytes, "hello"), "curvature_ahead", "distance curvature", places + 39);
     fprintf(out, "{\"hello\":{\"protocol\":1,\"name\":\"%s\",\"version\":\"%s\",\"encoding\":\"f64\",\"tables\":[\"lanes\"],\"runs_at_once\":%d,\"gives\":[\"%s\"],"
             "\"modes\":[%s],\"parameters\":[%s]}}\n", own->name, own->version, at_once, own->gives,
             own->modes ? own->modes : "", own->parameters ? own->parameters : "");
@@ -226,7 +227,7 @@ static inline int sr_serve(const sr_controller *own, int argc, char **argv) {
         double *of = (double *)malloc((head[3] + head[4] + 1) * sizeof(double));
         if (!of) return 1;
         for (uint32_t index = 0, one = 0; index < head[3] + head[4]; index++) {
-            int is_vehicle = index >= head[3], place = is_vehicle ? 28 : 19;
+            int is_vehicle = index >= head[3], place = is_vehicle ? 30 : 21;
             of[one] = rows[0]; /* `row` is the first column. */
             sr_pick(rows, places + place, 9, (double *)&other[one++]);
             rows += widths[1 + is_vehicle];
@@ -234,16 +235,16 @@ static inline int sr_serve(const sr_controller *own, int argc, char **argv) {
         bends.used = 0;
         sr_change *change = (sr_change *)sr_make_room(&bends, head[5] * sizeof(sr_change) + 1);
         const double *bend = rows;
-        for (uint32_t index = 0; index < head[5]; index++) sr_pick(bend + index * (uint32_t)widths[3], places + 37, 2, (double *)&change[index]);
+        for (uint32_t index = 0; index < head[5]; index++) sr_pick(bend + index * (uint32_t)widths[3], places + 39, 2, (double *)&change[index]);
         answer.used = 0, errors.used = 0;
         uint32_t after[4] = {0, 2, head[2], width + 1}, people = 0, cars = head[3], told = 0;
         memcpy(sr_make_room(&answer, 16), after, 16);
         for (uint32_t run = 0; run < head[2]; run++, row += widths[0]) {
-            double values[20], *given = (double *)sr_make_room(&answer, 8 * (width + 1));
-            sr_pick(row, places, 19, values);
+            double values[22], *given = (double *)sr_make_room(&answer, 8 * (width + 1));
+            sr_pick(row, places, 21, values);
             int slot = (int)values[0];
             sr_seen seen;
-            memcpy(&seen, values + 1, 18 * sizeof(double));
+            memcpy(&seen, values + 1, 20 * sizeof(double));
             seen.pedestrian = other + people, seen.vehicle = other + cars;
             for (seen.pedestrians = 0; people < head[3] && of[people] == run; people++) seen.pedestrians++;
             for (seen.vehicles = 0; cars < head[3] + head[4] && of[cars] == run; cars++) seen.vehicles++;

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::format::with_unit;
 use scenario::registry::Registry;
-use scenario::{Declaration, Dimension, Parameter, ParameterKind, PresetFamily, Value};
+use scenario::{Declaration, Dimension, Parameter, ParameterKind, PresetFamily, SignalConduct, Value};
 
 /// A page about one registered model.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -37,11 +37,12 @@ pub fn model_pages(registry: &Registry) -> Vec<ModelPage> {
     let pedestrians = registry.pedestrians().iter().map(|model| {
         let people =
             model.takes_individuals.then(|| "Parameter sets may come from a population.".to_string());
-        ModelPage::new("pedestrian", &model.declaration, people.as_slice())
+        let facts: Vec<_> = people.into_iter().chain([signals(model.signals)]).collect();
+        ModelPage::new("pedestrian", &model.declaration, &facts)
     });
     let controllers = registry.controllers().iter().map(|model| {
         let dynamics = format!("Drives `{}` unless told otherwise.", model.default_dynamics);
-        ModelPage::new("controller", &model.declaration, &[dynamics])
+        ModelPage::new("controller", &model.declaration, &[dynamics, signals(model.signals)])
     });
     let dynamics = registry.dynamics().iter().map(|model| {
         let (length, width) = model.size;
@@ -54,6 +55,16 @@ pub fn model_pages(registry: &Registry) -> Vec<ModelPage> {
     });
     let perception = ModelPage::new("perception", &registry.perception().declaration, &[]);
     pedestrians.chain(controllers).chain(dynamics).chain([perception]).collect()
+}
+
+fn signals(conduct: SignalConduct) -> String {
+    let does = match conduct {
+        SignalConduct::Obeys => "obeys it, unless a scenario says `ignores signals`",
+        SignalConduct::Ignores => "ignores it, unless a scenario says `obeys signals`",
+        SignalConduct::Never { .. } => "looks at no signal and cannot be told to obey it",
+        SignalConduct::Own => "is told what it shows and decides by itself",
+    };
+    format!("At a crossing with a signal it {does}.")
 }
 
 fn reference(one: &Declaration, facts: &[String]) -> String {

@@ -130,8 +130,9 @@ fn tested_vehicles(case: &Case) -> Vec<TestedVehicle> {
             start: _,
             behind: _,
             sees,
+            obeys_signals,
         } = vehicle.clone();
-        TestedVehicle { name, controller, dynamics, sees, length, width }
+        TestedVehicle { name, controller, dynamics, sees, length, width, obeys_signals }
     };
     case.world.vehicles.iter().map(tested).collect()
 }
@@ -154,6 +155,7 @@ fn parts(cases: &[Case]) -> Parts {
                 start,
                 behind,
                 sees: _,
+                obeys_signals: _,
             } = vehicle;
             // Of whom nothing is said about it is known by the hash of before that could be said.
             match *behind {

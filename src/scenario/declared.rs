@@ -6,10 +6,10 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Calibrate, ControllerModel, Criterion, DeclaredBend, DeclaredGround, Distribution, DynamicsModel,
-    Evaluate, EvaluationError, Expression, Gate, Individuals, MetricReference, Notation, Origin,
-    PedestrianModel, PerceptionModel, Rating, Reference, Road, RoadUserKind, Search, Side, Statement, Tune,
-    Value, VariedValue, VehicleReference, Written,
+    Calibrate, ControllerModel, Criterion, DeclaredBend, DeclaredGround, DeclaredSignal, Distribution,
+    DynamicsModel, Evaluate, EvaluationError, Expression, Gate, Individuals, MetricReference, Notation,
+    Origin, PedestrianModel, PerceptionModel, Rating, Reference, Road, RoadUserKind, Search, Side, Statement,
+    Tune, Value, VariedValue, VehicleReference, Written,
 };
 
 /// A suite: scenarios and what holds for all of them. A bare `.scn` file becomes a suite named after the file.
@@ -116,6 +116,9 @@ pub struct Scenario {
     /// Where the road's other crossings are, in their order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub other_crossings: Vec<DeclaredPlace>,
+    /// What of its crossing's signal depends on variations.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub signal: Option<DeclaredSignal>,
     /// In order; their names and those of pedestrians are all different.
     pub vehicles: Vec<Vehicle>,
     /// In order.
@@ -211,6 +214,9 @@ pub struct Vehicle {
     pub follows: DeclaredFollowing,
     /// `sees { … }`: what the controller's perception leaves out; `None` is perfect perception.
     pub sees: Option<Model<PerceptionModel>>,
+    /// Whether it stops for a signal's red; `None`: as its controller does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub obeys_signals: Option<bool>,
     /// Where it is declared.
     pub origin: Origin,
 }
@@ -288,6 +294,9 @@ pub struct DeclaredPedestrian {
     pub reference: Expression,
     /// `None`: the parameters that the model's settings say.
     pub individuals: Option<Individuals>,
+    /// Whether they wait for a signal's green; `None`: as their model does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub obeys_signals: Option<bool>,
     /// `None`: of no group.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub group: Option<Membership>,

@@ -3,13 +3,14 @@
 use std::fmt;
 use std::sync::Arc;
 
+use nalgebra::Vector2;
 use serde::ser::SerializeStruct;
 use serde::{Deserialize, Serialize, Serializer};
 
 use super::agent::{CommandKind, Controller, Dynamics, ModelError, Pedestrian, Perception, Schedule};
 use super::{
     Appearance, Chance, Declaration, DeclaredProgram, Dimension, Parameter, Path, Position, Reference,
-    Registered, Road, RoadUserKind, SettingError, Settings, Shape, Side, Text, VehicleStart,
+    Registered, Road, RoadUserKind, SettingError, Settings, Shape, Side, SignalConduct, Text, VehicleStart,
 };
 
 /// What the simulation needs to know of a case.
@@ -109,6 +110,9 @@ pub struct VehicleSetup {
     pub behind: f64,
     /// `None`: perfect perception.
     pub sees: Option<ModelSetup<PerceptionModel>>,
+    /// Whether it stops for the red of the crossing's signal; never where there is none.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub obeys_signals: bool,
 }
 
 impl VehicleSetup {
@@ -120,6 +124,9 @@ impl VehicleSetup {
 
 /// The setting of people who are told where to go by which they keep clear of others.
 const KEEPS_CLEAR: &str = "keeps_clear";
+
+/// Who steps onto the road at most this far beside a crossing crosses at it, m.
+pub const AT_THE_CROSSING: f64 = 1.0;
 
 /// Whoever moves at less than this sine of the angle (20°) against a lane moves along it and does not cross it.
 pub const CROSSES: f64 = 0.34;
@@ -153,12 +160,28 @@ pub struct PedestrianSetup {
     /// How far ahead of the centre of their footprint the point is that they are measured by, m; negative behind it.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub reference: f64,
+    /// Whether they wait for their green before they step onto the road; never where no signal stands in their way.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub obeys_signals: bool,
 }
 
 impl PedestrianSetup {
     /// How far (m) they keep clear of boxes and other people; `None`: they do not.
     pub fn keeps_clear(&self) -> Option<f64> {
         (self.model.model.known()?.keeps_clear)(&self.model.settings)
+    }
+
+    /// Whether they step onto the road where a signal of the crossing that they use stands: within [`AT_THE_CROSSING`] of its extent. Who
+    /// walks along a lane does not.
+    pub fn meets_signal(&self, road: &Road) -> bool {
+        let (place, crossing) = road.numbered_crossing(self.crossing);
+        if crossing.signal().is_none() || !self.crosses(road) {
+            return false;
+        }
+        let (start, goal) = (Vector2::from(self.start), Vector2::from(self.goal));
+        // Who starts on the road is there already.
+        let entry = road.kerb_ahead(self.side, start, goal - start).unwrap_or(start);
+        (road.along(entry) - place).abs() <= crossing.width / 2.0 + AT_THE_CROSSING
     }
 
     /// Whether their way leads across the lanes of a road; otherwise it leads along them.
@@ -175,6 +198,10 @@ fn is_zero(number: &f64) -> bool {
 
 fn is_first(crossing: &usize) -> bool {
     *crossing == 0
+}
+
+fn is_false(flag: &bool) -> bool {
+    !flag
 }
 
 /// Builds a controller for a run.
@@ -204,6 +231,8 @@ pub struct ControllerModel {
     pub gives: CommandKind,
     /// Whether it draws.
     pub chance: Chance,
+    /// What it does about the signal of a crossing.
+    pub signals: SignalConduct,
     /// Makes one for a run.
     pub build: BuildController,
     /// The program that decides, of one that was declared in a file: it is not built, but asked.
@@ -242,6 +271,7 @@ impl ControllerModel {
             default_dynamics: Reference::unresolved(dynamics),
             gives,
             chance: Chance::Always,
+            signals: SignalConduct::Own,
             build: Arc::new(build),
             program: None,
         }
@@ -264,6 +294,12 @@ impl ControllerModel {
     /// With what is known of whether it draws; [`Self::new`] takes it that it always may.
     pub fn chance(self, chance: Chance) -> Self {
         Self { chance, ..self }
+    }
+
+    /// With what it does about the signal of a crossing; [`Self::new`] takes it that it decides by itself. One that obeys finds in
+    /// [`VehicleSetup::obeys_signals`] whether it is to.
+    pub fn signals(self, signals: SignalConduct) -> Self {
+        Self { signals, ..self }
     }
 }
 
@@ -317,6 +353,8 @@ pub struct PedestrianModel {
     pub keeps_clear: fn(&Settings) -> Option<f64>,
     /// Whether it can wait on refuges: on each leg of its way it minds only whom it meets before the leg's end.
     pub walks_in_legs: bool,
+    /// What it does about the signal of a crossing. Nobody who obeys steps onto the road without green, whatever their model wants.
+    pub signals: SignalConduct,
     /// Makes one for a run.
     pub build: BuildPedestrian,
 }
@@ -350,6 +388,7 @@ impl PedestrianModel {
             is_fixed: |_| false,
             keeps_clear: |_| Some(0.0),
             walks_in_legs: false,
+            signals: SignalConduct::Obeys,
             build: Arc::new(build),
         }
     }
@@ -372,6 +411,11 @@ impl PedestrianModel {
     /// With what is known of whether it draws; [`Self::new`] takes it that it always may.
     pub fn chance(self, chance: Chance) -> Self {
         Self { chance, ..self }
+    }
+
+    /// With what it does about the signal of a crossing; [`Self::new`] takes it that it obeys.
+    pub fn signals(self, signals: SignalConduct) -> Self {
+        Self { signals, ..self }
     }
 
     /// With what is known of whether it minds others; [`Self::new`] takes it that it does.

@@ -2,8 +2,8 @@
 
 use super::{
     Aggregate, BendRadius, Claim, DeclaredAppearance, DeclaredBend, DeclaredFollowing, DeclaredGround,
-    DeclaredPedestrian, DeclaredPiece, DeclaredShape, DeclaredVehicleStart, Expression, Model, Origin,
-    PieceKind, Vehicle, WalksAlong,
+    DeclaredPedestrian, DeclaredPiece, DeclaredShape, DeclaredSignal, DeclaredVehicleStart, Expression,
+    Model, Origin, PieceKind, Vehicle, WalksAlong,
 };
 
 /// Declares how the expressions of something are gathered, for looking at them and for changing them. Everything is taken apart,
@@ -13,7 +13,7 @@ macro_rules! expressions {
         use super::*;
 
         pub fn vehicle(car: &$($mut)? Vehicle) -> Vec<(&$($mut)? Expression, &Origin)> {
-            let Vehicle { name: _, controller, dynamics, size, speed, start, lane: _, follows, sees, origin } = car;
+            let Vehicle { name: _, controller, dynamics, size, speed, start, lane: _, follows, sees, obeys_signals: _, origin } = car;
             let mut found = model(controller);
             if let Some(dynamics) = dynamics {
                 found.extend(model(dynamics));
@@ -45,6 +45,7 @@ macro_rules! expressions {
                 model: how,
                 shape,
                 side: _,
+                obeys_signals: _,
                 start_from_lane_centre,
                 crosses: _,
                 waits_on_refuges: _,
@@ -119,6 +120,16 @@ macro_rules! expressions {
             }
             if let Some(friction) = friction {
                 found.push((friction, origin));
+            }
+            found
+        }
+
+        pub fn signal(signal: &$($mut)? DeclaredSignal) -> Vec<(&$($mut)? Expression, &Origin)> {
+            let DeclaredSignal { varied, origin } = signal;
+            let origin: &Origin = origin;
+            let mut found = Vec::new();
+            for (_, value) in varied {
+                found.push((value, origin));
             }
             found
         }
@@ -202,6 +213,18 @@ impl DeclaredGround {
     /// As [`Self::expressions`].
     pub fn expressions_mut(&mut self) -> Vec<(&mut Expression, &Origin)> {
         exclusive::ground(self)
+    }
+}
+
+impl DeclaredSignal {
+    /// Every expression of it, with the place that gives it.
+    pub fn expressions(&self) -> Vec<(&Expression, &Origin)> {
+        shared::signal(self)
+    }
+
+    /// As [`Self::expressions`].
+    pub fn expressions_mut(&mut self) -> Vec<(&mut Expression, &Origin)> {
+        exclusive::signal(self)
     }
 }
 

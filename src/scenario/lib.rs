@@ -53,8 +53,10 @@ pub mod registry;
 mod road;
 mod road_user_kind;
 mod signal;
+mod signal_conduct;
 mod statement;
 mod symbol;
+mod traffic_signal;
 mod trial;
 mod value;
 
@@ -85,9 +87,9 @@ pub use distribution::{
     KnownDistribution, VariedValue,
 };
 pub use entry::{
-    BuildController, BuildDynamics, BuildPedestrian, BuildPerception, CROSSES, ControllerContext,
-    ControllerModel, DynamicsModel, ModelSetup, PedestrianContext, PedestrianModel, PedestrianSetup,
-    PerceptionModel, VehicleSetup, World,
+    AT_THE_CROSSING, BuildController, BuildDynamics, BuildPedestrian, BuildPerception, CROSSES,
+    ControllerContext, ControllerModel, DynamicsModel, ModelSetup, PedestrianContext, PedestrianModel,
+    PedestrianSetup, PerceptionModel, VehicleSetup, World,
 };
 pub use evaluate::{Condition, Evaluate, Measure, ParameterSet};
 pub use expression::{BinaryOperator, EvaluationError, Expression};
@@ -111,10 +113,12 @@ pub use reference::{Reference, Registered};
 pub use road::{Bend, Body, Crossing, CrossingKind, Lane, Median, OtherCrossing, Road};
 pub use road_user_kind::RoadUserKind;
 pub use signal::{NOBODY_AT, OBJECT, OBJECTS, SEEN, SignalEntry, input_signals, output_signals};
+pub use signal_conduct::SignalConduct;
 pub use statement::{
     DeclaredStanding, Measured, OutcomesOf, Quantity, Statement, StatementClaim, StatementClaimKind,
     TrendDirection,
 };
 pub use symbol::Symbol;
+pub use traffic_signal::{DeclaredSignal, STOP_LINE, SeenSignal, SignalError, SignalState, TrafficSignal};
 pub use trial::{Rounds, Trial};
 pub use value::{Settings, Value, significant};

@@ -29,6 +29,28 @@ pub const SPEED_LIMIT: Limit = limit(Dimension::SPEED, 0.0, 100.0);
 pub const GRADIENT: Limit = limit(Dimension::NUMBER, -0.3, 0.3);
 /// Coefficient of friction between tyres and road. Ours: below it is wet ice, above it no road tyre.
 pub const FRICTION: Limit = limit(Dimension::NUMBER, 0.05, 1.5);
+/// Time after which a signal repeats.
+pub const CYCLE: Limit = limit(Dimension::TIME, 1.0, 600.0);
+/// How long people have green, and when in the cycle they get it.
+pub const PEDESTRIAN_GREEN: Limit = limit(Dimension::TIME, 0.0, 600.0);
+/// How long vehicles have amber.
+pub const AMBER: Limit = limit(Dimension::TIME, 0.0, 20.0);
+/// How long vehicles keep red when people's green has ended.
+pub const CLEARANCE: Limit = limit(Dimension::TIME, 0.0, 120.0);
+/// From the edge of a crossing back to the line before which vehicles stop.
+pub const LINE: Limit = limit(Dimension::LENGTH, 0.0, 50.0);
+
+/// Of the number of a [`TrafficSignal`](super::TrafficSignal) that has this name.
+pub fn of_signal(name: &str) -> Limit {
+    match name {
+        "cycle" => CYCLE,
+        "amber" => AMBER,
+        "clearance" => CLEARANCE,
+        "stop_line" => LINE,
+        _ => PEDESTRIAN_GREEN,
+    }
+}
+
 /// Length of a piece of a path.
 pub const PIECE: Limit = limit(Dimension::LENGTH, 0.01, 10_000.0);
 /// Of a piece of a path.

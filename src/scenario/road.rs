@@ -14,6 +14,7 @@ use super::geometry::{CurvedPath, GeometryError, ReferenceLine};
 use super::ground::Ground;
 use super::path::Path;
 use super::placement::Position;
+use super::traffic_signal::{SeenSignal, TrafficSignal};
 
 /// The road as everybody finds it. The world's frame is that of its lane 0: x runs along the lane in its direction of travel, y
 /// to the left, and the origin is the middle of the crossing on the lane's centre line, m.
@@ -103,16 +104,8 @@ pub enum CrossingKind {
     Zebra,
     /// Vehicles have priority.
     Unmarked,
-    /// A two-phase signal: pedestrians have green from `pedestrian_green_from` for `pedestrian_green` seconds in
-    /// every cycle of `cycle` seconds, vehicles in the rest.
-    Signalised {
-        /// s
-        cycle: f64,
-        /// Within a cycle, s; cycles begin at time 0.
-        pedestrian_green_from: f64,
-        /// s
-        pedestrian_green: f64,
-    },
+    /// Those have priority to whom a signal gives it.
+    Signalised(TrafficSignal),
 }
 
 /// A rectangle along the road where it stands that blocks the view and the way, such as a parked car.
@@ -204,6 +197,14 @@ impl Road {
         }
     }
 
+    /// How far along lane 0 a point is from the middle of the crossing, m; x on a straight road.
+    pub fn along(&self, point: Vector2<f64>) -> f64 {
+        match &self.bend {
+            None => point.x,
+            Some(bend) => bend.line.project(point).station - bend.crossing,
+        }
+    }
+
     /// How fast somebody at a point comes nearer to the far side of the road who moves at `velocity`, m/s.
     pub fn speed_across(&self, point: Vector2<f64>, velocity: Vector2<f64>) -> f64 {
         match &self.bend {
@@ -258,7 +259,7 @@ impl Road {
     }
 
     /// y of a lane's centre line in m.
-    fn lane_centre(&self, lane: usize) -> f64 {
+    pub fn lane_centre(&self, lane: usize) -> f64 {
         self.beyond_medians(lane as f64 * self.lane_width, lane)
     }
 
@@ -316,6 +317,11 @@ impl Road {
         std::iter::once((0.0, &self.crossing)).chain(others)
     }
 
+    /// Whether one of them has a signal.
+    pub fn has_signal(&self) -> bool {
+        self.crossings().any(|(_, crossing)| crossing.signal().is_some())
+    }
+
     /// A crossing by its number in [`Self::crossings`], with its place along the road (m).
     ///
     /// # Panics
@@ -347,14 +353,25 @@ impl Road {
 }
 
 impl Crossing {
+    /// What its signal shows to vehicles at time `time` (s); `None` without one.
+    pub fn seen_signal(&self, time: f64) -> Option<SeenSignal> {
+        self.signal().map(|signal| signal.seen(time))
+    }
+
+    /// Its signal.
+    pub fn signal(&self) -> Option<&TrafficSignal> {
+        match &self.kind {
+            CrossingKind::Signalised(signal) => Some(signal),
+            CrossingKind::Zebra | CrossingKind::Unmarked => None,
+        }
+    }
+
     /// Whether pedestrians have priority at time `time` (s).
     pub fn pedestrian_priority(&self, time: f64) -> bool {
         match self.kind {
             CrossingKind::Zebra => true,
             CrossingKind::Unmarked => false,
-            CrossingKind::Signalised { cycle, pedestrian_green_from, pedestrian_green } => {
-                (time - pedestrian_green_from).rem_euclid(cycle) < pedestrian_green
-            }
+            CrossingKind::Signalised(signal) => signal.people_have_green(time),
         }
     }
 }
@@ -409,8 +426,7 @@ mod tests {
 
     #[test]
     fn signals_give_priority_in_turns() {
-        let kind =
-            CrossingKind::Signalised { cycle: 60.0, pedestrian_green_from: 50.0, pedestrian_green: 20.0 };
+        let kind = CrossingKind::Signalised(TrafficSignal::new(60.0, 50.0, 20.0));
         let road = two_lanes(kind);
         let at = |time| road.crossing.pedestrian_priority(time);
         assert_eq!(

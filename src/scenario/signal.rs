@@ -30,7 +30,7 @@ const fn flag(name: &'static str, doc: &'static str) -> SignalEntry {
 }
 
 /// Those of which there is one.
-pub const SEEN: [SignalEntry; 20] = [
+pub const SEEN: [SignalEntry; 22] = [
     signal("time", Dimension::TIME, "Time of the scenario; negative while settling."),
     signal("cruise_speed", Dimension::SPEED, "The speed that the vehicle is wanted to cruise at."),
     signal(
@@ -46,7 +46,10 @@ pub const SEEN: [SignalEntry; 20] = [
     signal("road.speed_limit", Dimension::SPEED, "Of the road."),
     signal("road.crossing_width", Dimension::LENGTH, "Extent of the crossing along the road."),
     flag("road.pedestrian_priority", "Whether pedestrians have priority at the crossing now."),
-    flag("road.signal", "0 while vehicles have red; 1 while they have green, and where there is no signal."),
+    flag(
+        "road.signal",
+        "0 while vehicles have red or amber; 1 while they have green, and where there is no signal.",
+    ),
     signal("road.right_kerb", Dimension::LENGTH, "y of the kerb on the right; negative."),
     signal("road.left_kerb", Dimension::LENGTH, "y of the kerb on the left."),
     signal(
@@ -56,6 +59,12 @@ pub const SEEN: [SignalEntry; 20] = [
     ),
     signal("ego.curvature", Dimension::PER_LENGTH, "Of the lane where the vehicle is, to the left."),
     signal("road.gradient", Dimension::NUMBER, "Rise per metre ahead; 0 where the road says none."),
+    flag("road.amber", "Whether vehicles have amber; 0 where there is no signal."),
+    signal(
+        "road.stop_line",
+        Dimension::LENGTH,
+        "From the edge of the crossing back to the line at which vehicles stop; 0 where there is no signal.",
+    ),
     flag("ahead.present", "Whether somebody is ahead in the lane."),
     signal(
         "ahead.gap",
@@ -107,12 +116,12 @@ mod tests {
     #[test]
     fn every_signal_has_a_name_of_its_own() {
         let mut names: Vec<String> = input_signals().map(|(name, _)| name).collect();
-        assert_eq!(names.len(), 20 + 8 * 7);
+        assert_eq!(names.len(), 22 + 8 * 7);
         assert_eq!(names[3], "ego.speed");
-        assert_eq!(names[20], "object1.present");
+        assert_eq!(names[22], "object1.present");
         assert_eq!(names.last().unwrap(), "object8.width");
         names.sort();
         names.dedup();
-        assert_eq!(names.len(), 20 + 8 * 7);
+        assert_eq!(names.len(), 22 + 8 * 7);
     }
 }

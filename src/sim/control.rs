@@ -99,6 +99,7 @@ impl Control {
                 speed_limit: road.speed_limit,
                 crossing_width: road.crossing.width,
                 pedestrian_priority: road.crossing.pedestrian_priority(0.0),
+                signal: road.crossing.seen_signal(0.0),
                 right_kerb,
                 left_kerb,
                 gradient: ground.gradient,

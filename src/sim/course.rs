@@ -14,6 +14,7 @@ use super::order::Order;
 use super::road_users::RoadUsers;
 use super::solid::Solid;
 use super::start::{placed, waiting_outside, way};
+use super::wait_for_green::WaitForGreen;
 use scenario::agent::{
     Command, ControllerError, Mode, Motion, Observation, Pedestrian, PedestrianState, Scene, Snapshot,
     VehicleState,
@@ -137,6 +138,8 @@ pub struct Course {
     vehicle_modes: Vec<Mode>,
     /// `None` where nobody has anything to keep clear of.
     keep_clear: Option<KeepClear>,
+    /// `None` where nobody waits for a signal.
+    wait_for_green: Option<WaitForGreen>,
     contacts: Contacts,
     /// Of the step under way.
     sightings: Vec<Sighting>,
@@ -184,6 +187,7 @@ impl Course {
             pedestrian_modes: vec![Mode::NONE; world.pedestrians.len()],
             vehicle_modes: vec![Mode::NONE; world.vehicles.len()],
             keep_clear: KeepClear::new(&world),
+            wait_for_green: WaitForGreen::new(&world),
             contacts: Contacts::new(&world),
             sightings: Vec::new(),
             steps: steps_within(world.horizon, world.step),
@@ -368,6 +372,7 @@ impl Course {
                     legs: legs.counts(),
                     vehicles: &self.now.vehicles,
                     pedestrians: &self.now.pedestrians,
+                    held: self.wait_for_green.as_ref().is_some_and(|rule| rule.is_held(index)),
                 };
                 if another {
                     pedestrian.begin_leg(&scene);
@@ -382,6 +387,13 @@ impl Course {
         if let Some(rule) = &mut self.keep_clear {
             let (ways, step) = (&self.ways, self.world.step);
             rule.bend(&self.now.pedestrians, &mut self.motions, step, |index, state, motion| {
+                walk(state, motion, ways[index], step, step);
+            });
+        }
+        if let Some(rule) = &mut self.wait_for_green {
+            let (ways, step, now) = (&self.ways, self.world.step, (&self.world.road, time));
+            let modes = &mut self.pedestrian_modes;
+            rule.hold(now, &self.now.pedestrians, &mut self.motions, modes, |index, state, motion| {
                 walk(state, motion, ways[index], step, step);
             });
         }
@@ -565,6 +577,7 @@ pub fn walking_time(
             legs: legs.counts(),
             vehicles: &[],
             pedestrians: &[state],
+            held: false,
         };
         if another {
             mind.begin_leg(&scene);

@@ -63,6 +63,7 @@ impl CrossingsAhead {
         seen.ego.distance_to_crossing = view.distance;
         seen.road.crossing_width = view.width;
         seen.road.pedestrian_priority = view.pedestrian_priority;
+        seen.road.signal = road.numbered_crossing(self.crossings[current].number).1.seen_signal(time);
     }
 
     /// Tells a vehicle that is so far (m) before the origin that it knows nothing of any crossing.

@@ -20,6 +20,7 @@ pub fn world() -> World {
             start: VehicleStart::Distance(100.0),
             behind: 0.0,
             sees: None,
+            obeys_signals: false,
         }],
         pedestrians: vec![PedestrianSetup {
             kind: Default::default(),
@@ -33,6 +34,7 @@ pub fn world() -> World {
             crossing: 0,
             appears: Appearance::At(0.0),
             reference: 0.0,
+            obeys_signals: false,
         }],
         step: 0.025,
         horizon: 60.0,

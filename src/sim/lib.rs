@@ -40,6 +40,7 @@ mod start;
 mod timeline;
 mod trace;
 mod turning;
+mod wait_for_green;
 
 pub use contact::{Contacts, Touch};
 pub use course::{

@@ -3,7 +3,7 @@
 use serde_json::{Value as Json, json};
 
 use super::conversation::{AskedDecision, Conversation};
-use scenario::Shape;
+use scenario::{STOP_LINE, SeenSignal, Shape, SignalState};
 use sim::{CrossingView, EgoState, Observation, RoadView, SeenPedestrian, SeenVehicle};
 
 /// Decisions of a scene.
@@ -154,6 +154,10 @@ impl Sketch {
                 speed_limit: LIMIT,
                 crossing_width: 4.0,
                 pedestrian_priority: !self.is_signalised || !is_green,
+                signal: self.is_signalised.then_some(SeenSignal {
+                    state: if is_green { SignalState::Green } else { SignalState::Red },
+                    stop_line: STOP_LINE,
+                }),
                 right_kerb: -2.0,
                 left_kerb: 6.0,
                 gradient: self.gradient,

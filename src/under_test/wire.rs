@@ -6,7 +6,8 @@ use serde_json::{Map, Value as Json, json};
 
 use super::quote::quoted;
 use scenario::{
-    Answer, Crossing, CrossingKind, ParameterKind, RoadUserKind, Settings, Shape, Value, VehicleSetup, World,
+    Answer, Crossing, CrossingKind, ParameterKind, RoadUserKind, STOP_LINE, SeenSignal, Settings, Shape,
+    SignalState, Value, VehicleSetup, World,
 };
 use scenario::{FaultKind, ProgramFault};
 use sim::{
@@ -34,8 +35,9 @@ pub const RUNS: [&str; 16] = [
     "left_kerb",
 ];
 
-/// Columns behind [`RUNS`] in rows of runs, for programs that ask for how lanes run: others know how long a row is.
-pub const LANES: [&str; 3] = ["travelled", "curvature", "gradient"];
+/// Columns behind [`RUNS`] in rows of runs, for programs that ask for how lanes run: others know how long a row is. Those who ask are
+/// told the names, so that more may follow.
+pub const LANES: [&str; 5] = ["travelled", "curvature", "gradient", "amber", "stop_line"];
 
 /// Columns of the rows of pedestrians.
 pub const PEDESTRIANS: [&str; 10] = ["row", "id", "x", "y", "vx", "vy", "ax", "ay", "length", "width"];
@@ -200,6 +202,10 @@ pub fn scene(asked: &DueDecision) -> Json {
     if let Some(green) = signal {
         view.insert("signal".into(), json!(green));
     }
+    if let Some(seen) = road.signal {
+        view.insert("amber".into(), json!(seen.state == SignalState::Amber));
+        view.insert("stop_line".into(), json!(seen.stop_line));
+    }
     let people: Vec<Json> = pedestrians
         .iter()
         .map(|one| {
@@ -301,6 +307,7 @@ pub fn read_scene(scene: &Json) -> Option<(Observation, bool, Option<bool>)> {
             pedestrian_priority: road.get("pedestrian_priority")?.as_bool()?,
             right_kerb: number(road, "right_kerb")?,
             left_kerb: number(road, "left_kerb")?,
+            signal: signal(road),
             gradient: number(road, "gradient"),
             curvature_ahead,
             crossings,
@@ -309,6 +316,16 @@ pub fn read_scene(scene: &Json) -> Option<(Observation, bool, Option<bool>)> {
         vehicles: scene.get("vehicles")?.as_array()?.iter().map(vehicle).collect::<Option<_>>()?,
     };
     Some((seen, scene.get("new")?.as_bool()?, road.get("signal").and_then(Json::as_bool)))
+}
+
+/// What the signal shows; older ones know neither amber nor where the line is.
+fn signal(road: &Json) -> Option<SeenSignal> {
+    let state = match road.get("signal")?.as_bool()? {
+        true => SignalState::Green,
+        false if road.get("amber").and_then(Json::as_bool) == Some(true) => SignalState::Amber,
+        false => SignalState::Red,
+    };
+    Some(SeenSignal { state, stop_line: road.get("stop_line").and_then(Json::as_f64).unwrap_or(STOP_LINE) })
 }
 
 /// A frame of text.
@@ -338,13 +355,12 @@ pub fn step_frame(asked: &[DueDecision], with_lanes: bool, into: &mut Vec<u8>) {
     words(&[28 + 8 * doubles as u32, 1, counts[0], counts[1], counts[2], counts[3], 0, 0], into);
     let mut row =
         |values: &[f64]| values.iter().for_each(|value| into.extend_from_slice(&value.to_le_bytes()));
-    let flag = |flag: bool| if flag { 1.0 } else { 0.0 };
     for DueDecision { slot, is_new, seen, signal, period: _ } in asked {
         let (ego, road) = (&seen.ego, &seen.road);
         row(&[
             *slot as f64,
             seen.time,
-            flag(*is_new),
+            f64::from(*is_new),
             seen.cruise_speed,
             ego.distance_to_crossing,
             ego.speed,
@@ -354,13 +370,20 @@ pub fn step_frame(asked: &[DueDecision], with_lanes: bool, into: &mut Vec<u8>) {
             road.lane_width,
             road.speed_limit,
             road.crossing_width,
-            flag(road.pedestrian_priority),
-            signal.map_or(f64::NAN, flag),
+            f64::from(road.pedestrian_priority),
+            signal.map_or(f64::NAN, f64::from),
             road.right_kerb,
             road.left_kerb,
         ]);
         if with_lanes {
-            row(&[ego.travelled, ego.curvature, road.gradient.unwrap_or(f64::NAN)]);
+            let of_signal = |number: fn(SeenSignal) -> f64| road.signal.map_or(f64::NAN, number);
+            row(&[
+                ego.travelled,
+                ego.curvature,
+                road.gradient.unwrap_or(f64::NAN),
+                of_signal(|seen| f64::from(seen.state == SignalState::Amber)),
+                of_signal(|seen| seen.stop_line),
+            ]);
         }
     }
     for (index, one) in asked.iter().enumerate() {

@@ -8,8 +8,8 @@ use models::vehicle::ControllerContext;
 use numbers::random::Stream;
 use proptest::prelude::*;
 use scenario::{
-    Appearance, CrossingKind, Direction, ModelSetup, PedestrianModel, PedestrianSetup, Position, Reference,
-    Road, Settings, Shape, Side, Value, VehicleReference, VehicleSetup, VehicleStart, World,
+    Appearance, Direction, ModelSetup, PedestrianModel, PedestrianSetup, Position, Reference, Road, Settings,
+    Shape, Side, Value, VehicleReference, VehicleSetup, VehicleStart, World,
 };
 use sim::{
     Driven, Ending, Mode, Motion, Observer, Pedestrian, RoadUsers, Scene, Snapshot, Step, StopReason,
@@ -105,6 +105,7 @@ fn world(settings: &Settings, time_to_arrival: f64) -> World {
             },
             behind: 0.0,
             sees: None,
+            obeys_signals: false,
         }],
         pedestrians: vec![at_side(Side::Near)],
         step: 0.025,
@@ -128,6 +129,7 @@ fn at_side(side: Side) -> PedestrianSetup {
         crossing: 0,
         appears: Appearance::At(0.0),
         reference: 0.0,
+        obeys_signals: false,
     }
 }
 
@@ -481,10 +483,6 @@ fn refusal(world: &World) -> String {
 
 #[test]
 fn what_it_cannot_do_is_refused() {
-    let mut signalised = world(&preset("mapped"), 6.0);
-    signalised.road.crossing.kind =
-        CrossingKind::Signalised { cycle: 60.0, pedestrian_green_from: 0.0, pedestrian_green: 20.0 };
-    assert!(refusal(&signalised).contains("lane_only"));
     // The plan moves on by one period a tick, so ticks must not be farther apart than that.
     let hasty = Settings::from([("planning_period", Value::Number(0.01))]);
     assert!(refusal(&world(&hasty, 6.0)).contains("the longer of `control_period` and `vehicle_period`"));

@@ -39,6 +39,7 @@ fn encounter(tta: f64, car: &str, agent: &[(&str, Value)], walker: &[(&str, Valu
             start: VehicleStart::TimeToArrival { time: tta, reference: VehicleReference::Centre, x: 0.0 },
             behind: 0.0,
             sees: None,
+            obeys_signals: false,
         }],
         pedestrians: vec![PedestrianSetup {
             kind: Default::default(),
@@ -52,6 +53,7 @@ fn encounter(tta: f64, car: &str, agent: &[(&str, Value)], walker: &[(&str, Valu
             crossing: 0,
             appears: Appearance::At(0.0),
             reference: 0.0,
+            obeys_signals: false,
         }],
         step: 0.025,
         horizon: 60.0,

@@ -294,6 +294,7 @@ fn people_remember_a_car_that_they_have_seen() {
                 legs: (0, 0),
                 vehicles,
                 pedestrians,
+                held: false,
             },
             1,
         )

@@ -18,6 +18,7 @@ mod numerics;
 mod refuges;
 mod same_as;
 mod several_others;
+mod signals;
 #[path = "../support/mod.rs"]
 mod support;
 mod values;

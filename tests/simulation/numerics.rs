@@ -123,6 +123,7 @@ fn encounter(controller: &Arc<ControllerModel>, dynamics: &Arc<DynamicsModel>, d
             },
             behind: 0.0,
             sees: None,
+            obeys_signals: false,
         }],
         pedestrians: vec![PedestrianSetup {
             kind: Default::default(),
@@ -136,6 +137,7 @@ fn encounter(controller: &Arc<ControllerModel>, dynamics: &Arc<DynamicsModel>, d
             crossing: 0,
             appears: Appearance::At(0.0),
             reference: 0.0,
+            obeys_signals: false,
         }],
         step: 0.025,
         horizon: 30.0,

@@ -40,6 +40,7 @@ pub fn car(name: &str, lane: usize, speed: f64, start: VehicleStart) -> VehicleS
         start,
         behind: 0.0,
         sees: None,
+        obeys_signals: false,
     }
 }
 
@@ -74,6 +75,7 @@ pub fn walker(name: &str, model: ModelSetup<PedestrianModel>, from: f64, to: f64
         crossing: 0,
         appears: Appearance::At(0.0),
         reference: 0.0,
+        obeys_signals: false,
     }
 }
 

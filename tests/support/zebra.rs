@@ -121,6 +121,7 @@ impl Zebra {
                 },
                 behind: 0.0,
                 sees: None,
+                obeys_signals: false,
             }],
             pedestrians: vec![PedestrianSetup {
                 kind: Default::default(),
@@ -134,6 +135,7 @@ impl Zebra {
                 crossing: 0,
                 appears: Appearance::At(0.0),
                 reference: 0.0,
+                obeys_signals: false,
             }],
             step: self.step,
             horizon: self.horizon,

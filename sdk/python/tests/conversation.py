@@ -8,8 +8,8 @@ from scenario_runner_av._seen import CURVATURE_COLUMNS, PEDESTRIAN_COLUMNS, RUN_
 from scenario_runner_av._serve import converse
 
 COLUMNS = {
-    "runs": list(RUN_COLUMNS[:-3]),
-    "lanes": list(RUN_COLUMNS[-3:]),
+    "runs": list(RUN_COLUMNS[:-5]),
+    "lanes": list(RUN_COLUMNS[-5:]),
     "pedestrians": list(PEDESTRIAN_COLUMNS),
     "vehicles": list(VEHICLE_COLUMNS),
     "curvature_ahead": list(CURVATURE_COLUMNS),

@@ -251,7 +251,7 @@ pub struct Seen {
     pub speed_limit: f64,
     pub crossing_width: f64,
     pub pedestrian_priority: bool,
-    /// At a signal: whether vehicles have green.
+    /// At a signal: whether vehicles have green, neither red nor amber.
     pub signal: Option<bool>,
     pub right_kerb: f64,
     pub left_kerb: f64,
@@ -261,6 +261,10 @@ pub struct Seen {
     pub curvature: f64,
     /// Rise of the road per metre ahead; NaN where it says none.
     pub gradient: f64,
+    /// Whether vehicles have amber.
+    pub amber: bool,
+    /// From the near edge of the crossing back to the line at which vehicles stop; NaN without a signal.
+    pub stop_line: f64,
     /// How the lane bends within 150 m: distances ahead and the curvature there, ascending. From `curvature` on it changes evenly from
     /// each to the next, and not at all behind the last; two at one distance are a jump.
     pub curvature_ahead: Vec<(f64, f64)>,

@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use crate::{About, Answer, Command, Gives, Other, Seen, PLAN_POINTS};
 
-const RUNS: [&str; 19] = [
+const RUNS: [&str; 21] = [
     "slot",
     "time",
     "new",
@@ -26,6 +26,8 @@ const RUNS: [&str; 19] = [
     "travelled",
     "curvature",
     "gradient",
+    "amber",
+    "stop_line",
 ];
 const CURVATURE_AHEAD: [&str; 3] = ["row", "distance", "curvature"];
 const OTHERS: [&str; 10] = ["row", "id", "x", "y", "vx", "vy", "ax", "ay", "length", "width"];
@@ -191,6 +193,8 @@ fn scene(value: impl Fn(usize) -> f64) -> Seen {
         travelled: value(16),
         curvature: value(17),
         gradient: value(18),
+        amber: value(19) == 1.0,
+        stop_line: value(20),
         curvature_ahead: Vec::new(),
         pedestrians: Vec::new(),
         vehicles: Vec::new(),

@@ -60,6 +60,16 @@ pub fn reject_repeats(block: Node, report: &mut Vec<Diagnostic>) {
     }
 }
 
+/// Two statements that say the same thing cannot stand together.
+pub fn exclude(first: Option<Node>, second: Option<Node>, report: &mut Vec<Diagnostic>) {
+    if let (Some(first), Some(second)) = (first, second) {
+        let word = |node: Node| node.text().split_whitespace().next().unwrap_or_default().to_string();
+        let mut diagnostic = repeated(&word(second), second.span(), first.span());
+        diagnostic.message = format!("`{}` and `{}` say the same thing", word(first), word(second));
+        report.push(diagnostic);
+    }
+}
+
 /// Reports that `what` lacks the statement `S`. Of blocks with a statement that could not be read it may have been that.
 pub fn missing<'a, S: View<'a>>(
     layers: &[Layer<'a, impl View<'a>>],

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::places::Places;
+use crate::source::Span;
 use crate::value::Typed;
 use scenario::Written;
 
@@ -21,6 +22,12 @@ impl Book {
     /// As [`Self::statement`]; what the scenario has is `offset` more than what was written.
     pub fn shifted(&mut self, road_user: &str, statement: &str, typed: &Typed, offset: f64, places: &Places) {
         self.add(format!("{road_user}.{statement}"), typed, offset, places);
+    }
+
+    /// A statement that has no number, under `av.signals`.
+    pub fn said(&mut self, road_user: &str, statement: &str, span: Span, places: &Places) {
+        let written = Written { notation: None, origin: places.origin(span), offset: 0.0 };
+        self.0.insert(format!("{road_user}.{statement}"), written);
     }
 
     /// Settings of a part of a road user, under `av.controller.braking_distance`.

@@ -2,19 +2,19 @@
 
 use std::sync::Arc;
 
-use super::block::{Layer, Said, last, missing, reject_repeats};
+use super::block::{Layer, Said, exclude, last, missing, reject_repeats};
 use super::book::Book;
 use super::defaults::Defaults;
 use super::literal;
 use super::model::{ModelKind, named};
 use super::places::Places;
-use super::vehicle::size;
+use super::vehicle::{size, write_signals};
 use super::way::Way;
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
 use crate::settings::repeated;
 use crate::source::Span;
-use crate::syntax::{Node, ast};
+use crate::syntax::ast;
 use crate::value::{self, Typed};
 use crate::write::{BlockText, constant, is_name, model_text, number_of, quantity, quoted};
 use scenario::{
@@ -52,6 +52,7 @@ pub fn pedestrian(
         let [several, one] = people.each_mut().map(|people| people.take().map(|people| *people));
         exclude(several, one, report);
         exclude(block.appears().map(|said| *said), block.meets().map(|said| *said), report);
+        exclude(block.obeys().map(|said| *said), block.ignores().map(|said| *said), report);
     }
     let what = format!(
         "{} `{}`",
@@ -143,6 +144,10 @@ pub fn pedestrian(
         }),
         None => Some(Expression::number(unsaid_reference(who.kind, shape.is_some()))),
     };
+    let obeys = last(layers, ast::PedestrianBlock::signals).map(|said| {
+        written.said(&who.name, "signals", said.node.span(), places);
+        said.node.is_obeyed()
+    });
     written.settings(&who.name, "model", model.as_ref().map_or(&[], |named| &named.given), places);
     if let (Some(road), Some(start), Some(goal), None) = (road, &start, &goal, way.walks) {
         check_way(start, goal, last(layers, ast::PedestrianBlock::start), road, report)?;
@@ -181,6 +186,7 @@ pub fn pedestrian(
             Some(individuals) => Some(individuals?),
             None => None,
         },
+        obeys_signals: obeys,
         group: who.group.clone(),
         origin: places.origin(who.span),
     })
@@ -263,16 +269,6 @@ fn waits_on_refuges(
         );
     }
     Some(())
-}
-
-/// Two statements that say the same thing in different ways cannot stand together.
-fn exclude(first: Option<Node>, second: Option<Node>, report: &mut Vec<Diagnostic>) {
-    if let (Some(first), Some(second)) = (first, second) {
-        let word = |node: Node| node.text().split_whitespace().next().unwrap_or_default().to_string();
-        let mut diagnostic = repeated(&word(second), second.span(), first.span());
-        diagnostic.message = format!("`{}` and `{}` say the same thing", word(first), word(second));
-        report.push(diagnostic);
-    }
 }
 
 fn models<'a>(places: &'a Places) -> ModelKind<'a, PedestrianModel> {
@@ -615,5 +611,6 @@ pub fn write_pedestrian(person: &DeclaredPedestrian, out: &mut BlockText) {
         }
         _ => out.line(&format!("reference {} ahead of centre", length(&person.reference))),
     }
+    write_signals(person.obeys_signals, out);
     out.close();
 }

@@ -6,17 +6,18 @@ use super::bend;
 use super::block::{Layer, missing, reject_repeats};
 use super::book::Book;
 use super::places::Places;
-use super::road_settings::{bus, obstacle, parked_row, signalised, unmarked, zebra};
+use super::road_settings::{OF_SIGNAL, bus, obstacle, parked_row, signalised, unmarked, zebra};
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
 use crate::settings;
 use crate::source::Span;
 use crate::syntax::ast;
-use crate::value::{self, NameScope, Typed, ValueKind};
-use crate::write::{BlockText, constant, quantity};
+use crate::value::{self, NameScope, Typed};
+use crate::write::{BlockText, constant, number_of, quantity};
 use scenario::{
-    Body, Crossing, CrossingKind, Declaration, DeclaredBend, DeclaredGround, DeclaredPlace, Dimension,
-    Direction, Expression, Ground, Lane, Median, OtherCrossing, Road, Settings, Value, limits, show,
+    Body, Crossing, CrossingKind, Declaration, DeclaredBend, DeclaredGround, DeclaredPlace, DeclaredSignal,
+    Dimension, Direction, Expression, Ground, Lane, Median, OtherCrossing, Road, Settings, TrafficSignal,
+    limits, show,
 };
 
 /// A road with what of it may depend on variations.
@@ -26,6 +27,7 @@ pub struct DeclaredRoad {
     pub ground: Option<DeclaredGround>,
     /// Of its other crossings, in their order.
     pub other_crossings: Vec<DeclaredPlace>,
+    pub signal: Option<DeclaredSignal>,
 }
 
 /// The road that a `road_block` describes; `name` is empty for one inside a scenario.
@@ -76,7 +78,14 @@ pub fn road(
     let others = crossings_named_once(others.into_iter().collect::<Option<Vec<_>>>(), block, report);
     let medians = medians(block, scope, lanes.as_deref().zip(lane_width), report);
     let pieces = block.path().map(|path| bend::pieces(path, scope, places, written, report));
-    let (node, (crossing, at)) = crossing?;
+    let (node, SaidCrossing { crossing, at, signal }) = crossing?;
+    for (name, typed) in &signal {
+        written.statement("road", name, Some(typed), places);
+    }
+    let signal = signal.first().map(|(_, first)| first.span).map(|span| DeclaredSignal {
+        varied: signal.into_iter().map(|(name, typed)| (name, typed.expression)).collect(),
+        origin: places.origin(span),
+    });
     let bend = match (pieces, at) {
         (None, None) => None,
         (Some(pieces), Some(at)) => {
@@ -107,7 +116,7 @@ pub fn road(
         bend: None,
         ground: Ground::default(),
     };
-    Some(DeclaredRoad { road, bend, ground: ground?, other_crossings: places_of_others })
+    Some(DeclaredRoad { road, bend, ground: ground?, other_crossings: places_of_others, signal })
 }
 
 /// The strips between lanes of a road whose lanes and their width (m) are known.
@@ -170,8 +179,17 @@ fn other_crossing(
     written: &mut Book,
     report: &mut Vec<Diagnostic>,
 ) -> Option<(OtherCrossing, DeclaredPlace)> {
-    let (crossing, at) = crossing(ast::AnyCrossing::OtherCrossing(node), scope, report)?;
+    let SaidCrossing { crossing, at, signal } =
+        crossing(ast::AnyCrossing::OtherCrossing(node), scope, report)?;
     let name = node.name().text().to_string();
+    if let Some((varied, typed)) = signal.first() {
+        report.push(
+            Diagnostic::new(Code::NotConstant, typed.span, format!("`{varied}` may not vary between runs"))
+                .label(format!("depends on `{}`", typed.expression.variables().join("`, `")))
+                .hint("let the signal of the first crossing vary, or write a scenario for each value"),
+        );
+        return None;
+    }
     let Some(at) = at else {
         report.push(
             Diagnostic::new(
@@ -267,47 +285,58 @@ fn lanes(node: ast::Lanes, scope: &NameScope, report: &mut Vec<Diagnostic>) -> O
     Some(vec![Lane { direction: Direction::Forward }; number as usize])
 }
 
-/// The crossing and, on a path, how far behind its beginning that is.
-fn crossing(
-    node: ast::AnyCrossing,
-    scope: &NameScope,
-    report: &mut Vec<Diagnostic>,
-) -> Option<(Crossing, Option<Typed>)> {
-    let (declaration, kind) = if node.is_zebra() {
-        (zebra(), CrossingKind::Zebra)
+/// A crossing as it is said.
+struct SaidCrossing {
+    crossing: Crossing,
+    /// On a path, how far behind its beginning it is.
+    at: Option<Typed>,
+    /// What of its signal depends on variations, by name.
+    signal: Vec<(String, Typed)>,
+}
+
+fn crossing(node: ast::AnyCrossing, scope: &NameScope, report: &mut Vec<Diagnostic>) -> Option<SaidCrossing> {
+    let declaration = if node.is_zebra() {
+        zebra()
     } else if node.is_unmarked() {
-        (unmarked(), CrossingKind::Unmarked)
+        unmarked()
     } else {
-        (
-            signalised(),
-            CrossingKind::Signalised { cycle: 0.0, pedestrian_green_from: 0.0, pedestrian_green: 0.0 },
-        )
+        signalised()
     };
-    let (given, mut varying) = settings_but(&["at"], node.settings(), &declaration, scope, report)?;
+    let may_vary: Vec<&str> = ["at"].into_iter().chain(OF_SIGNAL).collect();
+    let (mut given, varying) = settings_but(&may_vary, node.settings(), &declaration, scope, report)?;
+    let (at, signal): (Vec<_>, Vec<_>) = varying.into_iter().partition(|(name, _)| name == "at");
+    let at = at.into_iter().map(|(_, typed)| typed).next_back();
+    let (fixed, signal): (Vec<_>, Vec<_>) =
+        signal.into_iter().partition(|(_, typed)| matches!(typed.expression, Expression::Constant(_)));
+    for (name, typed) in fixed {
+        if let Expression::Constant(value) = typed.expression {
+            given.set(name, value);
+        }
+    }
     let resolved = declaration.resolve(&given).ok()?;
-    let kind = match kind {
-        CrossingKind::Signalised { .. } => {
-            let cycle = resolved.number("cycle");
-            for name in ["pedestrian_green", "pedestrian_green_from"] {
-                let found = resolved.number(name);
-                if found > cycle {
-                    let what = format!("`{name}` of the signal");
-                    let kind = ValueKind::Number(Dimension::TIME);
-                    let typed = Typed::constant(Value::Number(found), kind, node.span());
-                    let range = (0.0, cycle);
-                    report.push(value::out_of_range(&typed, &what, found, range, Dimension::TIME, None));
-                    return None;
-                }
-            }
-            CrossingKind::Signalised {
-                cycle,
-                pedestrian_green_from: resolved.number("pedestrian_green_from"),
-                pedestrian_green: resolved.number("pedestrian_green"),
+    let kind = if node.is_zebra() {
+        CrossingKind::Zebra
+    } else if node.is_unmarked() {
+        CrossingKind::Unmarked
+    } else {
+        let mut of_signal = TrafficSignal::new(0.0, 0.0, 0.0);
+        for name in OF_SIGNAL {
+            if let Some(number) = of_signal.number_mut(name) {
+                *number = resolved.number(name);
             }
         }
-        other => other,
+        // What varies is looked at in each of its worlds.
+        if let (true, Err(error)) = (signal.is_empty(), of_signal.check()) {
+            report.push(
+                Diagnostic::new(Code::OutOfRange, node.span(), error.message)
+                    .label("does not fit into its cycle")
+                    .hint(error.hint),
+            );
+            return None;
+        }
+        CrossingKind::Signalised(of_signal)
     };
-    Some((Crossing { kind, width: resolved.number("width") }, varying.pop()))
+    Some(SaidCrossing { crossing: Crossing { kind, width: resolved.number("width") }, at, signal })
 }
 
 /// What a statement puts on the road.
@@ -394,13 +423,13 @@ fn settings_but(
     declaration: &Declaration,
     scope: &NameScope,
     report: &mut Vec<Diagnostic>,
-) -> Option<(Settings, Vec<Typed>)> {
+) -> Option<(Settings, Vec<(String, Typed)>)> {
     let (mut constants, mut varying) = (Settings::default(), Vec::new());
     let Some(node) = node else { return Some((constants, varying)) };
     let before = report.len();
     for (name, typed) in settings::check(Some(node), declaration, scope, report) {
         if may_vary.contains(&name.as_str()) {
-            varying.push(typed);
+            varying.push((name, typed));
             continue;
         }
         match typed.expression {
@@ -421,11 +450,37 @@ fn settings_but(
     (report.len() == before).then_some((constants, varying))
 }
 
+/// The settings of a signal; what varied and has its value now stands in the place of what the road says.
+fn signal_text(mut signal: TrafficSignal, varied: Option<&DeclaredSignal>) -> String {
+    for (name, value) in varied.iter().flat_map(|declared| &declared.varied) {
+        if let Some(number) = signal.number_mut(name) {
+            *number = number_of(value);
+        }
+    }
+    let mut text = format!(
+        ", cycle: {}, pedestrian_green: {}, pedestrian_green_from: {}",
+        quantity(signal.cycle, Dimension::TIME),
+        quantity(signal.pedestrian_green, Dimension::TIME),
+        quantity(signal.pedestrian_green_from, Dimension::TIME),
+    );
+    let usual = TrafficSignal::new(0.0, 0.0, 0.0);
+    let others = [
+        ("amber", signal.amber, usual.amber, Dimension::TIME),
+        ("clearance", signal.clearance, usual.clearance, Dimension::TIME),
+        ("stop_line", signal.stop_line, usual.stop_line, Dimension::LENGTH),
+    ];
+    for (name, found, usual, dimension) in others {
+        if found != usual {
+            text.push_str(&format!(", {name}: {}", quantity(found, dimension)));
+        }
+    }
+    text
+}
+
 /// The block that says it.
 pub fn write_road(
     road: &Road,
-    bend: Option<&DeclaredBend>,
-    ground: Option<&DeclaredGround>,
+    (bend, ground, signal): (Option<&DeclaredBend>, Option<&DeclaredGround>, Option<&DeclaredSignal>),
     other_crossings: &[DeclaredPlace],
     out: &mut BlockText,
 ) {
@@ -458,9 +513,9 @@ pub fn write_road(
         let refuge = if *refuge { " with refuge" } else { "" };
         out.line(&format!("median {} after lane {after}{refuge}", quantity(*width, Dimension::LENGTH)));
     }
-    out.line(&crossing_text("", &road.crossing, bend.map(|bend| &bend.crossing)));
+    out.line(&crossing_text("", &road.crossing, bend.map(|bend| &bend.crossing), signal));
     for (OtherCrossing { name, crossing, .. }, place) in road.other_crossings.iter().zip(other_crossings) {
-        out.line(&crossing_text(name, crossing, Some(&place.at)));
+        out.line(&crossing_text(name, crossing, Some(&place.at), None));
     }
     for (index, body) in road.boxes.iter().enumerate() {
         let metres = |value| quantity(value, Dimension::LENGTH);
@@ -476,7 +531,12 @@ pub fn write_road(
     out.close();
 }
 
-fn crossing_text(name: &str, crossing: &Crossing, at: Option<&Expression>) -> String {
+fn crossing_text(
+    name: &str,
+    crossing: &Crossing,
+    at: Option<&Expression>,
+    signal: Option<&DeclaredSignal>,
+) -> String {
     let mut width = quantity(crossing.width, Dimension::LENGTH);
     if let Some(at) = at {
         width.push_str(&format!(", at: {}", constant(at, Dimension::LENGTH)));
@@ -484,12 +544,9 @@ fn crossing_text(name: &str, crossing: &Crossing, at: Option<&Expression>) -> St
     let settings = match crossing.kind {
         CrossingKind::Zebra => format!("zebra {{ width: {width} }}"),
         CrossingKind::Unmarked => format!("unmarked {{ width: {width} }}"),
-        CrossingKind::Signalised { cycle, pedestrian_green_from, pedestrian_green } => format!(
-            "signalised {{ width: {width}, cycle: {}, pedestrian_green: {}, pedestrian_green_from: {} }}",
-            quantity(cycle, Dimension::TIME),
-            quantity(pedestrian_green, Dimension::TIME),
-            quantity(pedestrian_green_from, Dimension::TIME),
-        ),
+        CrossingKind::Signalised(of_signal) => {
+            format!("signalised {{ width: {width}{} }}", signal_text(of_signal, signal))
+        }
     };
     if name.is_empty() { format!("crossing {settings}") } else { format!("crossing {name} {settings}") }
 }

@@ -1,7 +1,7 @@
 //! What may stand in the settings of a road's statements: crossings, boxes, turns.
 
 use scenario::limits::{self, Limit};
-use scenario::{Declaration, Dimension, Parameter};
+use scenario::{Declaration, Dimension, Parameter, STOP_LINE};
 
 const LANGUAGE: &str = "the scenario language";
 
@@ -45,7 +45,7 @@ pub fn signalised() -> Declaration {
                 "cycle",
                 Dimension::TIME,
                 60.0,
-                (1.0, 600.0),
+                limits::CYCLE.range,
                 "Time after which the signal repeats.",
                 LANGUAGE,
             ),
@@ -53,7 +53,7 @@ pub fn signalised() -> Declaration {
                 "pedestrian_green",
                 Dimension::TIME,
                 20.0,
-                (0.0, 600.0),
+                limits::PEDESTRIAN_GREEN.range,
                 "How long pedestrians have green in each cycle.",
                 LANGUAGE,
             ),
@@ -61,12 +61,40 @@ pub fn signalised() -> Declaration {
                 "pedestrian_green_from",
                 Dimension::TIME,
                 0.0,
-                (0.0, 600.0),
+                limits::PEDESTRIAN_GREEN.range,
                 "When in the cycle pedestrians get green.",
                 LANGUAGE,
             ),
+            Parameter::number(
+                "amber",
+                Dimension::TIME,
+                0.0,
+                limits::AMBER.range,
+                "How long vehicles have amber before their red.",
+                "3 s where 50 km/h are allowed: German RiLSA (remembered)",
+            ),
+            Parameter::number(
+                "clearance",
+                Dimension::TIME,
+                0.0,
+                limits::CLEARANCE.range,
+                "How long vehicles keep red when pedestrians' green has ended.",
+                LANGUAGE,
+            ),
+            Parameter::number(
+                "stop_line",
+                Dimension::LENGTH,
+                STOP_LINE,
+                limits::LINE.range,
+                "How far before the edge of the crossing vehicles stop.",
+                "MUTCD 2009, 3B.16: at least 4 feet (remembered)",
+            ),
         ])
 }
+
+/// What of a signal may depend on variations.
+pub const OF_SIGNAL: [&str; 6] =
+    ["cycle", "pedestrian_green", "pedestrian_green_from", "amber", "clearance", "stop_line"];
 
 /// Every kind of crossing by its word.
 pub fn crossings() -> [(&'static str, Declaration); 3] {

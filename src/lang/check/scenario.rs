@@ -25,8 +25,8 @@ use crate::value::{self, Binding, NameScope, Typed, ValueKind};
 use crate::write::{BlockText, quantity, quoted};
 use scenario::limits::Limit;
 use scenario::{
-    Criterion, DeclaredBend, DeclaredGround, DeclaredPedestrian, Dimension, Expression, Individuals,
-    Membership, PopulationShare, Scenario, Variation, Vehicle, limits,
+    Criterion, DeclaredBend, DeclaredGround, DeclaredPedestrian, DeclaredSignal, Dimension, Expression,
+    Individuals, Membership, PopulationShare, Scenario, Variation, Vehicle, limits,
 };
 
 /// Criteria that a suite adds to its scenarios, with the names that its file can see.
@@ -59,11 +59,11 @@ pub fn scenario(
 
     let mut written = Book::default();
     let road = scenario_road(&chain, &layers, name, places, &mut written, report);
-    let (road, bend, ground, other_crossings) = match road {
-        Some(DeclaredRoad { road, bend, ground, other_crossings }) => {
-            (Some(road), bend, ground, other_crossings)
+    let (road, bend, ground, other_crossings, signal) = match road {
+        Some(DeclaredRoad { road, bend, ground, other_crossings, signal }) => {
+            (Some(road), bend, ground, other_crossings, signal)
         }
-        None => (None, None, None, Vec::new()),
+        None => (None, None, None, Vec::new(), None),
     };
     let vehicle_groups =
         grouped(&layers, |block| block.vehicles().map(|one| (one.name(), one.block())).collect(), report);
@@ -169,7 +169,12 @@ pub fn scenario(
         }
     }
     if report.len() == before && !broken {
-        let mut users = used_variables(bend.as_ref(), ground.as_ref(), &vehicles, &pedestrians, &criteria);
+        let mut users = used_variables(
+            (bend.as_ref(), ground.as_ref(), signal.as_ref()),
+            &vehicles,
+            &pedestrians,
+            &criteria,
+        );
         users.extend(variations.iter().flat_map(Variation::depends_on));
         users.extend(other_crossings.iter().flat_map(|place| place.at.variables()));
         unused(&layers, &varied, &variations, &users, report);
@@ -182,6 +187,7 @@ pub fn scenario(
         bend,
         ground,
         other_crossings,
+        signal,
         vehicles,
         pedestrians,
         variations,
@@ -520,8 +526,11 @@ fn unused(
 
 /// What road users do with, and what criteria compare to.
 fn used_variables<'a>(
-    bend: Option<&'a DeclaredBend>,
-    ground: Option<&'a DeclaredGround>,
+    (bend, ground, signal): (
+        Option<&'a DeclaredBend>,
+        Option<&'a DeclaredGround>,
+        Option<&'a DeclaredSignal>,
+    ),
     vehicles: &'a [Vehicle],
     pedestrians: &'a [DeclaredPedestrian],
     criteria: &'a [Criterion],
@@ -531,6 +540,7 @@ fn used_variables<'a>(
     let users = users.chain(pedestrians.iter().flat_map(DeclaredPedestrian::expressions));
     let users = users.chain(bend.into_iter().flat_map(DeclaredBend::expressions));
     let users = users.chain(ground.into_iter().flat_map(DeclaredGround::expressions));
+    let users = users.chain(signal.into_iter().flat_map(DeclaredSignal::expressions));
     expressions.extend(users.map(|(expression, _)| expression));
     let cars = vehicles.iter().flat_map(|vehicle| {
         let dynamics = vehicle.dynamics.as_ref().and_then(|model| model.varied_by.as_deref());
@@ -565,8 +575,8 @@ pub fn write_scenario(scenario: &Scenario, expect: &[String], remarks: &[String]
     if !scenario.tags.is_empty() {
         out.line(&format!("tags {}", scenario.tags.join(", ")));
     }
-    let (bend, ground) = (scenario.bend.as_ref(), scenario.ground.as_ref());
-    write_road(&scenario.road, bend, ground, &scenario.other_crossings, &mut out);
+    let (bend, ground, signal) = (scenario.bend.as_ref(), scenario.ground.as_ref(), scenario.signal.as_ref());
+    write_road(&scenario.road, (bend, ground, signal), &scenario.other_crossings, &mut out);
     if scenario.step != Defaults::STEP {
         out.line(&format!("step {}", quantity(scenario.step, Dimension::TIME)));
     }

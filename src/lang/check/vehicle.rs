@@ -1,6 +1,6 @@
 //! `vehicle NAME { … }`
 
-use super::block::{Layer, Said, last, missing, reject_repeats};
+use super::block::{Layer, Said, exclude, last, missing, reject_repeats};
 use super::book::Book;
 use super::model::{self, Named, named};
 use super::places::Places;
@@ -29,6 +29,7 @@ pub fn vehicle(
 ) -> Option<Vehicle> {
     if let Some(layer) = layers.last() {
         reject_repeats(*layer.block, report);
+        exclude(layer.block.obeys().map(|said| *said), layer.block.ignores().map(|said| *said), report);
     }
     let what = format!("vehicle `{}`", name.text());
     let controller = match last(layers, |block| block.controller().map(ast::Named::Controller)) {
@@ -72,6 +73,10 @@ pub fn vehicle(
         Some(said) => follows(said, name.text(), places, written, report),
         None => Some(DeclaredFollowing::Centre),
     };
+    let obeys = last(layers, ast::VehicleBlock::signals).map(|said| {
+        written.said(name.text(), "signals", said.node.span(), places);
+        said.node.is_obeyed()
+    });
     let sees = last(layers, ast::VehicleBlock::sees).map(|Said { node, scope }| {
         let perception = places.files.registry.perception();
         let given = settings::check(Some(node.settings()), &perception.declaration, scope, report);
@@ -119,6 +124,7 @@ pub fn vehicle(
         lane: lane?,
         follows: follows?,
         sees,
+        obeys_signals: obeys,
         origin: places.origin(name.span()),
     })
 }
@@ -349,6 +355,15 @@ pub fn check_starts(
     }
 }
 
+/// What is said of somebody and signals.
+pub fn write_signals(obeys: Option<bool>, out: &mut BlockText) {
+    match obeys {
+        None => {}
+        Some(true) => out.line("obeys signals"),
+        Some(false) => out.line("ignores signals"),
+    }
+}
+
 /// The block that says it, whose values are all constants.
 pub fn write_vehicle(car: &Vehicle, out: &mut BlockText) {
     let length = |expression| constant(expression, Dimension::LENGTH);
@@ -380,6 +395,7 @@ pub fn write_vehicle(car: &Vehicle, out: &mut BlockText) {
             out.line(&format!("follows by rear axle {} behind centre", length(behind)));
         }
     }
+    write_signals(car.obeys_signals, out);
     if let Some(sees) = &car.sees {
         out.line(&format!("sees {{ {} }}", settings_text(sees)));
     }

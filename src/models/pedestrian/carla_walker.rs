@@ -256,6 +256,8 @@ struct CarlaWalker {
     /// Of the road from which it comes.
     side: Side,
     since: Option<f64>,
+    /// Whether it waits for a real signal.
+    obeys_signals: bool,
     state: State,
     /// Where it came from and where it was going; a new destination is on one of these pavements.
     ends: [Vector2<f64>; 2],
@@ -342,8 +344,10 @@ fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError>
     // Draws always happen, and in this order, so that no setting shifts another's.
     let mut draws = stream(context.seed, Agent::Pedestrian(context.rank), Purpose::Trait);
     let (waits, wait, snap, side) = (draws.uniform(), draws.uniform(), draws.uniform(), draws.uniform());
+    // A real signal in its way replaces what stands for one.
+    let has_signal = context.setup.meets_signal(road);
     let lengths = Waits {
-        fixed: settings.optional_number("kerb_wait"),
+        fixed: settings.optional_number("kerb_wait").or(has_signal.then_some(0.0)),
         share: settings.number("kerb_wait_share"),
         shortest: settings.number("kerb_wait_min"),
         longest: settings.number("kerb_wait_max"),
@@ -377,6 +381,7 @@ fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError>
         turns_left: side < 0.5,
         side: kerb_side,
         since: None,
+        obeys_signals: context.setup.obeys_signals,
         state: State::Wait,
         ends: [start, goal],
         goal,
@@ -489,6 +494,11 @@ impl Check {
 }
 
 impl CarlaWalker {
+    /// Whether a signal that it obeys shows it no green.
+    fn has_red(&self, scene: &Scene) -> bool {
+        self.obeys_signals && !scene.pedestrian_priority()
+    }
+
     fn next_state(&self, scene: &Scene, since: f64) -> State {
         let ego = scene.ego();
         let hit = |vehicle: &VehicleState| {
@@ -513,7 +523,10 @@ impl CarlaWalker {
                 let paused = scene.time - from + TIME_TOLERANCE;
                 if paused >= check.timeout && check.timeout > 0.0 {
                     State::WalkAway(Vector2::new(if self.turns_left { -1.0 } else { 1.0 }, 0.0))
-                } else if paused < check.wait || check.waits_for_vehicle(scene, self.way) {
+                } else if paused < check.wait
+                    || self.has_red(scene)
+                    || check.waits_for_vehicle(scene, self.way)
+                {
                     state
                 } else {
                     State::Walk
@@ -583,6 +596,10 @@ impl Pedestrian for CarlaWalker {
             }
             State::WalkAway(direction) => self.vehicles.motion(scene, direction, self.speed),
             State::Approach | State::Walk => {
+                if scene.held {
+                    // Whoever waits at red is not stuck.
+                    self.unstuck.last = None;
+                }
                 self.turn_if_stuck(scene);
                 let place = scene.ego().position;
                 if self.goes_back && (self.goal - place).norm() < self.arrival_distance {

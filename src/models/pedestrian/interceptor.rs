@@ -7,7 +7,8 @@ use nalgebra::Vector2;
 use super::{PedestrianContext, PedestrianModel};
 use crate::pedestrian::across::check_across;
 use scenario::{
-    Chance, ChoiceOption, Declaration, Dimension, Parameter, Position, Road, Side, VehicleReference,
+    Chance, ChoiceOption, Declaration, Dimension, Parameter, Position, Road, Side, SignalConduct,
+    VehicleReference,
 };
 use sim::random::{Agent, Purpose, stream};
 use sim::{Mode, ModelError, Motion, Pedestrian, Scene, Stated, StatedBy, VehicleState};
@@ -80,6 +81,9 @@ pub fn interceptor() -> PedestrianModel {
     PedestrianModel::new(declaration, build)
         .chance(Chance::If(|settings| settings.number("aim_spread") > 0.0))
         .told_where_to_go()
+        .signals(SignalConduct::Never {
+            cure: "leave `obeys signals` out, or take `scripted`: it walks so as to be met",
+        })
 }
 
 /// m/s

@@ -70,6 +70,8 @@ struct Scripted {
     wait_on_refuge: f64,
     /// Distance left until it stops, m; infinite when it will not stop (again).
     left: f64,
+    /// As it was before the last step.
+    left_before: f64,
     /// When it may walk, s; `None` before its first step.
     walks_from: Option<f64>,
     mode: &'static str,
@@ -105,6 +107,7 @@ fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError>
         stop_for: settings.optional_number("stop_for").unwrap_or(f64::INFINITY),
         wait_on_refuge: wait_on_refuge.unwrap_or(0.0),
         left: stop_after.unwrap_or(f64::INFINITY),
+        left_before: stop_after.unwrap_or(f64::INFINITY),
         walks_from: None,
         mode: "waiting",
     }))
@@ -150,6 +153,10 @@ impl Pedestrian for Scripted {
 
     fn act(&mut self, scene: &Scene) -> Motion {
         let ego = scene.ego();
+        if scene.held {
+            // It did not walk what it meant to, and sets off anew.
+            (self.left, self.set_off) = (self.left_before, None);
+        }
         let mut walks_from = *self.walks_from.get_or_insert(scene.time + self.delay);
         if self.left <= 0.0 {
             walks_from = scene.time + self.stop_for;
@@ -174,6 +181,7 @@ impl Pedestrian for Scripted {
             _ if wanted.mean == wanted.at_the_end => (wanted.mean, None),
             _ => (wanted.mean, Some((wanted.mean - wanted.at_the_end) * scene.step)),
         };
+        self.left_before = self.left;
         self.left -= speed * scene.step;
         if self.left < 1e-9 {
             self.left = 0.0;

@@ -76,6 +76,7 @@ impl Walk {
             legs: (0, 0),
             vehicles: &self.vehicles,
             pedestrians: &self.states,
+            held: false,
         });
         let state = &mut self.states[0];
         match motion {
@@ -150,6 +151,7 @@ pub fn world() -> World {
             crossing: 0,
             appears: Appearance::At(0.0),
             reference: 0.0,
+            obeys_signals: false,
         }],
         step: 0.025,
         horizon: 60.0,

@@ -3,7 +3,9 @@
 use nalgebra::Vector2;
 
 use super::{PedestrianContext, PedestrianModel};
-use scenario::{Chance, Declaration, Dimension, Parameter, Settings, Side, TextError, VehicleReference};
+use scenario::{
+    Chance, Declaration, Dimension, Parameter, Settings, Side, SignalConduct, TextError, VehicleReference,
+};
 use sim::script::{Action, Script, ScriptQuantity, parameters};
 use sim::{Mode, ModelError, Motion, Pedestrian, Scene, geometry};
 
@@ -24,7 +26,9 @@ pub fn timeline() -> PedestrianModel {
                     "free choice",
                 ),
             ]);
-    PedestrianModel::new(declaration, build).chance(Chance::Never).fixed(is_fixed).told_where_to_go()
+    PedestrianModel::new(declaration, build).chance(Chance::Never).fixed(is_fixed).told_where_to_go().signals(
+        SignalConduct::Never { cure: "let `appears at` or a step say when it walks, or take `scripted`" },
+    )
 }
 
 /// Whether no step compares what depends on a vehicle, and nobody else is minded.

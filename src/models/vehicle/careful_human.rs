@@ -6,8 +6,9 @@
 
 use super::hazard::{Ramp, collision_course, keep_speed};
 use super::period::period;
+use super::red_light::{self, RedLight};
 use super::{CommandKind, ControllerContext, ControllerModel};
-use scenario::{Chance, Declaration, Dimension, Parameter};
+use scenario::{Chance, Declaration, Dimension, Parameter, SignalConduct};
 use sim::{Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule, SeenPedestrian};
 
 const R157: &str = "UN R157 annex 3 (annex 4 appendix 3 of the original version), performance \
@@ -108,7 +109,10 @@ pub fn careful_human() -> ControllerModel {
         ),
         period(),
     ]);
-    ControllerModel::new(declaration, CommandKind::Acceleration, build).driving("ideal").chance(Chance::Never)
+    ControllerModel::new(declaration, CommandKind::Acceleration, build)
+        .driving("ideal")
+        .chance(Chance::Never)
+        .signals(SignalConduct::Obeys)
 }
 
 struct CarefulHuman {
@@ -124,6 +128,11 @@ struct CarefulHuman {
     margin: f64,
     acceleration: f64,
     state: State,
+    /// `None`: it ignores signals.
+    red_light: Option<RedLight>,
+    /// Its braking for a signal, if it does.
+    for_red: Option<Ramp>,
+    standing_at_red: bool,
     last_time: Option<f64>,
 }
 
@@ -152,6 +161,14 @@ fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError>
         margin: settings.number("margin"),
         acceleration: settings.number("acceleration"),
         state: State::Driving,
+        // It takes as long to react to a signal as to a risk.
+        red_light: RedLight::new(
+            context,
+            settings.number("risk_evaluation") + settings.number("reaction_delay"),
+            red_light::DECELERATION,
+        ),
+        for_red: None,
+        standing_at_red: false,
         last_time: None,
     }))
 }
@@ -227,23 +244,28 @@ impl Controller for CarefulHuman {
         let now = observation.time;
         let duration = now - self.last_time.replace(now).unwrap_or(now);
         self.state = self.next_state(observation);
-        if let State::Braking(ramp) = &mut self.state {
-            let jerk = if self.ramp_time > 0.0 { self.deceleration / self.ramp_time } else { f64::INFINITY };
-            // The first decision after the delay begins the ramp.
-            let acceleration = ramp.toward(-self.deceleration, jerk, duration);
-            return Ok(Command::Acceleration(acceleration));
-        }
         let speed = observation.ego.speed;
-        Ok(Command::Acceleration(keep_speed(
-            speed,
-            observation.cruise_speed,
-            self.acceleration,
-            self.deceleration,
-        )))
+        let jerk = if self.ramp_time > 0.0 { self.deceleration / self.ramp_time } else { f64::INFINITY };
+        let acceleration = if let State::Braking(ramp) = &mut self.state {
+            // The first decision after the delay begins the ramp.
+            ramp.toward(-self.deceleration, jerk, duration)
+        } else {
+            keep_speed(speed, observation.cruise_speed, self.acceleration, self.deceleration)
+        };
+        let red = self.red_light.as_mut().and_then(|rule| rule.braking(observation));
+        let Some(braking) = red else {
+            (self.for_red, self.standing_at_red) = (None, false);
+            return Ok(Command::Acceleration(acceleration));
+        };
+        let ramp = self.for_red.get_or_insert(Ramp::from(observation.ego.acceleration.min(0.0)));
+        let for_red = ramp.toward(-braking.min(self.deceleration), jerk, duration);
+        self.standing_at_red = red_light::stands(speed);
+        Ok(Command::Acceleration(acceleration.min(for_red)))
     }
 
     fn mode(&self) -> Mode {
         Mode::new(match self.state {
+            State::Driving if self.for_red.is_some() => red_light::mode(self.standing_at_red),
             State::Driving => "cruise",
             State::Evaluating(_) => "evaluating",
             State::Reacting(_) => "reacting",

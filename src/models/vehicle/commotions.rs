@@ -1,12 +1,14 @@
 //! The COMMOTIONS model as a driver: a vehicle that negotiates with pedestrians as a person at the wheel would.
 
+use super::hazard::keep_speed;
+use super::red_light::{self, RedLight};
 use super::{CommandKind, ControllerContext, ControllerModel};
 use crate::pedestrian::commotions::model::{Bodies, Person};
 use crate::pedestrian::commotions::parameters::parameters;
 use crate::pedestrian::commotions::state::{AgentBody, Control};
 use crate::pedestrian::commotions::{CommotionsAgent, ConflictState, Rules, Sight, State};
 use numbers::random::Stream;
-use scenario::{Approach, Chance, Declaration, Parameter, PedestrianSetup};
+use scenario::{Approach, Chance, Declaration, Parameter, PedestrianSetup, SignalConduct};
 use sim::random::{self, Purpose};
 use sim::{
     Command, Controller, ControllerError, EgoState, Mode, ModelError, Observation, Schedule, SeenPedestrian,
@@ -32,6 +34,7 @@ pub fn commotions() -> ControllerModel {
     ControllerModel::new(declaration, CommandKind::Acceleration, build)
         .driving("ideal")
         .chance(Chance::Always)
+        .signals(SignalConduct::Obeys)
 }
 
 fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError> {
@@ -71,6 +74,9 @@ fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError>
         meetings: bodies.map(|(own, other)| Meeting { own, other, seen: None }).collect(),
         draws: random::stream(context.seed, agent, Purpose::Perception),
         acceleration: 0.0,
+        red_light: RedLight::new(context, red_light::REACTION, red_light::DECELERATION),
+        stopped_for_red: false,
+        for_red: None,
         period: person.dt,
         entry_inhibited_until: context.settings.number("entry_inhibited_until"),
     }))
@@ -155,11 +161,26 @@ struct Driver {
     draws: Stream,
     /// What was decided last (m/s²).
     acceleration: f64,
+    /// `None`: it ignores signals.
+    red_light: Option<RedLight>,
+    /// Whether it has braked for a signal, so that its speed is no longer the one to keep.
+    stopped_for_red: bool,
+    /// While it brakes for a signal, whether it stands.
+    for_red: Option<bool>,
     period: f64,
     entry_inhibited_until: f64,
 }
 
+/// Acceleration back to the wanted speed with nobody in sight, and deceleration to it, m/s²: those of `yielding`.
+const BACK_TO_SPEED: (f64, f64) = (1.5, 2.0);
+
 impl Driver {
+    /// Whether it has seen somebody whom it has not passed.
+    fn meets_anybody(&self) -> bool {
+        let met = |meeting: &Meeting| meeting.seen.is_some_and(|seen| !meeting.is_past(&seen));
+        self.meetings.iter().any(met)
+    }
+
     /// Takes down who is in sight now, and how far ahead those are who are not.
     fn look(&mut self, observation: &Observation) {
         let ego = &observation.ego;
@@ -198,14 +219,26 @@ impl Controller for Driver {
         };
         self.look(observation);
         // With nobody to decide about, what was decided last goes on.
-        if let Some(decision) = self.agent.step_among(&self.sights, &rules, &mut self.draws) {
+        let speed = observation.ego.speed;
+        let decision = self.agent.step_among(&self.sights, &rules, &mut self.draws);
+        if let Some(decision) = decision {
             self.acceleration = decision.acceleration;
         }
-        Ok(Command::Acceleration(self.acceleration))
+        if self.stopped_for_red && !self.meets_anybody() {
+            let (up, down) = BACK_TO_SPEED;
+            self.acceleration = keep_speed(speed, observation.cruise_speed, up, down);
+        }
+        let braking = self.red_light.as_mut().and_then(|rule| rule.braking(observation));
+        self.for_red = braking.map(|_| red_light::stands(speed));
+        let Some(braking) = braking else { return Ok(Command::Acceleration(self.acceleration)) };
+        self.stopped_for_red = true;
+        Ok(Command::Acceleration(self.acceleration.min(-braking)))
     }
 
     fn mode(&self) -> Mode {
-        let met = |meeting: &Meeting| meeting.seen.is_some_and(|seen| !meeting.is_past(&seen));
-        Mode::new(if self.meetings.iter().any(met) { "negotiating" } else { "" })
+        if let Some(stands) = self.for_red {
+            return Mode::new(red_light::mode(stands));
+        }
+        Mode::new(if self.meets_anybody() { "negotiating" } else { "" })
     }
 }

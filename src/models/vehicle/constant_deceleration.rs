@@ -2,6 +2,7 @@
 
 use super::hazard::keep_speed;
 use super::period::period;
+use super::red_light::LOOKS_AT_NOTHING;
 use super::{CommandKind, ControllerContext, ControllerModel};
 use scenario::{Chance, Declaration, Dimension, Parameter};
 use sim::{Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule};
@@ -27,7 +28,10 @@ pub fn constant_deceleration() -> ControllerModel {
         ),
         period(),
     ]);
-    ControllerModel::new(declaration, CommandKind::Acceleration, build).driving("ideal").chance(Chance::Never)
+    ControllerModel::new(declaration, CommandKind::Acceleration, build)
+        .driving("ideal")
+        .chance(Chance::Never)
+        .signals(LOOKS_AT_NOTHING)
 }
 
 struct ConstantDeceleration {

@@ -1,6 +1,7 @@
 //! A vehicle that keeps its speed, whatever happens.
 
 use super::period::period;
+use super::red_light::LOOKS_AT_NOTHING;
 use super::{CommandKind, ControllerContext, ControllerModel};
 use scenario::{Chance, Declaration, Dimension, Parameter};
 use sim::{Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule};
@@ -23,7 +24,10 @@ pub fn constant_speed() -> ControllerModel {
         ),
         period(),
     ]);
-    ControllerModel::new(declaration, CommandKind::Acceleration, build).driving("ideal").chance(Chance::Never)
+    ControllerModel::new(declaration, CommandKind::Acceleration, build)
+        .driving("ideal")
+        .chance(Chance::Never)
+        .signals(LOOKS_AT_NOTHING)
 }
 
 struct ConstantSpeed {

@@ -2,8 +2,9 @@
 
 use super::hazard::{Hazard, Ramp, collision_course};
 use super::period::period;
+use super::red_light::{self, RedLight};
 use super::{CommandKind, ControllerContext, ControllerModel};
-use scenario::{Chance, ChoiceOption, Declaration, Dimension, Parameter};
+use scenario::{Chance, ChoiceOption, Declaration, Dimension, Parameter, SignalConduct};
 use sim::{Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule, SeenPedestrian};
 
 const IDM: &str = "Treiber & Kesting, Traffic Flow Dynamics (2013), table 11.2, city traffic";
@@ -131,7 +132,10 @@ pub fn idm_aeb() -> ControllerModel {
         ),
         period(),
     ]);
-    ControllerModel::new(declaration, CommandKind::Acceleration, build).driving("ideal").chance(Chance::Never)
+    ControllerModel::new(declaration, CommandKind::Acceleration, build)
+        .driving("ideal")
+        .chance(Chance::Never)
+        .signals(SignalConduct::Obeys)
 }
 
 struct IdmAeb {
@@ -152,6 +156,8 @@ struct IdmAeb {
     /// Since when it has stood with a clear way, s.
     clear_since: Option<f64>,
     last_time: Option<f64>,
+    /// `None`: it ignores signals.
+    red_light: Option<RedLight>,
     mode: &'static str,
 }
 
@@ -187,6 +193,7 @@ fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError>
         braking: None,
         clear_since: None,
         last_time: None,
+        red_light: RedLight::new(context, red_light::REACTION, red_light::DECELERATION),
         mode: "cruise",
     }))
 }
@@ -203,16 +210,25 @@ impl Idm {
             .filter(|other| other.position.y.abs() < (ego.width + other.width) / 2.0)
             .filter_map(|other| {
                 let gap = other.position.x - (ego.length + other.length) / 2.0;
-                (other.position.x > 0.0).then(|| {
-                    let approach = ego.speed * (ego.speed - other.velocity.x)
-                        / (2.0 * (self.acceleration * self.deceleration).sqrt());
-                    let wish = self.minimum_gap + (ego.speed * self.headway + approach).max(0.0);
-                    let ratio = wish / gap.max(0.1);
-                    ratio * ratio
-                })
+                (other.position.x > 0.0).then(|| self.interaction(ego.speed, other.velocity.x, gap))
             })
             .fold(0.0, f64::max);
         self.acceleration * (1.0 - free - interaction)
+    }
+
+    /// What a vehicle at speed `other` (m/s), `gap` m ahead, takes from the acceleration, as a share of the largest.
+    fn interaction(&self, own: f64, other: f64, gap: f64) -> f64 {
+        let approach = own * (own - other) / (2.0 * (self.acceleration * self.deceleration).sqrt());
+        let wish = self.minimum_gap + (own * self.headway + approach).max(0.0);
+        let ratio = wish / gap.max(0.1);
+        ratio * ratio
+    }
+
+    /// The acceleration behind a vehicle that stands at the stop line, `gap` m ahead (m/s²), but never harder than it takes to stop there
+    /// or than is comfortable: the model itself brakes too hard for what stands up at once before it.
+    fn behind_line(&self, speed: f64, gap: f64) -> f64 {
+        let hardest = red_light::needed(speed, gap).clamp(self.deceleration, red_light::HARDEST);
+        (self.acceleration * (1.0 - self.interaction(speed, 0.0, gap))).max(-hardest)
     }
 }
 
@@ -255,7 +271,11 @@ impl Controller for IdmAeb {
     fn act(&mut self, observation: &Observation) -> Result<Command, ControllerError> {
         let duration =
             observation.time - self.last_time.replace(observation.time).unwrap_or(observation.time);
-        let cruise = self.idm.acceleration(observation);
+        let mut cruise = self.idm.acceleration(observation);
+        let speed = observation.ego.speed;
+        let line = self.red_light.as_mut().and_then(|rule| rule.gap(observation));
+        let for_red = line.map(|gap| self.idm.behind_line(speed, gap)).filter(|found| *found <= cruise);
+        cruise = for_red.unwrap_or(cruise);
         let hazard = self.hazard(observation);
         let standing = observation.ego.speed == 0.0;
         if self.braking.is_none() && hazard.is_some_and(|hazard| hazard.time_to_collision <= self.trigger) {
@@ -270,7 +290,12 @@ impl Controller for IdmAeb {
             self.clear_since = None;
         }
         let Some(ramp) = &mut self.braking else {
-            self.mode = "cruise";
+            self.mode = match for_red {
+                Some(acceleration) if acceleration < 0.0 || red_light::stands(speed) => {
+                    red_light::mode(red_light::stands(speed))
+                }
+                _ => "cruise",
+            };
             return Ok(Command::Acceleration(cruise));
         };
         self.mode = "emergency_braking";

@@ -11,6 +11,7 @@ mod hazard;
 mod idm_aeb;
 mod perception;
 mod period;
+mod red_light;
 #[cfg(test)]
 mod test_track;
 mod timeline;

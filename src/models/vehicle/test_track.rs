@@ -77,6 +77,7 @@ impl Track {
                 speed_limit: CRUISE,
                 crossing_width: 4.0,
                 pedestrian_priority: true,
+                signal: None,
                 right_kerb: -2.0,
                 left_kerb: 6.0,
                 gradient: None,
@@ -182,6 +183,7 @@ pub fn world(length: f64, width: f64) -> World {
             start: VehicleStart::Distance(100.0),
             behind: 0.0,
             sees: None,
+            obeys_signals: false,
         }],
         pedestrians: Vec::new(),
         step: 0.025,
@@ -205,5 +207,6 @@ pub fn walker() -> PedestrianSetup {
         crossing: 0,
         appears: Appearance::At(0.0),
         reference: 0.0,
+        obeys_signals: false,
     }
 }

@@ -2,6 +2,7 @@
 
 use super::hazard::{half_size, keep_speed};
 use super::period::period;
+use super::red_light::LOOKS_AT_NOTHING;
 use super::{CommandKind, ControllerContext, ControllerModel};
 use scenario::{Chance, Declaration, Dimension, Parameter, TextError};
 use sim::script::{Action, Script, ScriptQuantity, parameters};
@@ -33,7 +34,10 @@ pub fn timeline() -> ControllerModel {
         ),
         period(),
     ]);
-    ControllerModel::new(declaration, CommandKind::Acceleration, build).driving("ideal").chance(Chance::Never)
+    ControllerModel::new(declaration, CommandKind::Acceleration, build)
+        .driving("ideal")
+        .chance(Chance::Never)
+        .signals(LOOKS_AT_NOTHING)
 }
 
 /// `distance`: from the front bumper along the road to the near edge of the nearest pedestrian ahead.

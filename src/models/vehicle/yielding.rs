@@ -2,8 +2,9 @@
 
 use super::hazard::{collision_course, keep_speed};
 use super::period::period;
+use super::red_light::{self, RedLight};
 use super::{CommandKind, ControllerContext, ControllerModel};
-use scenario::{Chance, Declaration, Dimension, Parameter};
+use scenario::{Chance, Declaration, Dimension, Parameter, SignalConduct};
 use sim::{Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule, SeenPedestrian};
 
 const RULE: &str = "Vienna Convention on Road Traffic (1968), article 21: give way to pedestrians \
@@ -106,7 +107,10 @@ pub fn yielding() -> ControllerModel {
         ),
         period(),
     ]);
-    ControllerModel::new(declaration, CommandKind::Acceleration, build).driving("ideal").chance(Chance::Never)
+    ControllerModel::new(declaration, CommandKind::Acceleration, build)
+        .driving("ideal")
+        .chance(Chance::Never)
+        .signals(SignalConduct::Obeys)
 }
 
 struct Yielding {
@@ -129,6 +133,8 @@ struct Yielding {
     standing_since: Option<f64>,
     /// Whether its patience has run out with those who wait now.
     impatient: bool,
+    /// `None`: it ignores signals.
+    red_light: Option<RedLight>,
     mode: &'static str,
 }
 
@@ -167,6 +173,8 @@ fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError>
         stopping: false,
         standing_since: None,
         impatient: false,
+        // It decides about a signal as about people: at once, and with the deceleration up to which it yields.
+        red_light: RedLight::new(context, 0.0, most),
         mode: "cruise",
     }))
 }
@@ -205,13 +213,23 @@ impl Yielding {
         (met.unwrap_or(next), met.is_some())
     }
 
+    /// How far before that crossing's edge its stop line is, if it obeys a signal there; it sees that of the next crossing.
+    fn line_of(&self, observation: &Observation, crossing: &Ahead) -> Option<f64> {
+        let is_next = crossing.distance == observation.ego.distance_to_crossing;
+        self.red_light.as_ref()?;
+        observation.road.signal.filter(|_| is_next).map(|signal| signal.stop_line)
+    }
+
     /// Whether somebody is at a crossing whom it gives way to.
     fn must_yield(&self, observation: &Observation, crossing: &Ahead) -> bool {
         let road = &observation.road;
-        if self.requires_priority && !crossing.pedestrian_priority {
+        let has_priority = !self.requires_priority || crossing.pedestrian_priority;
+        // Who began at green may clear the crossing.
+        if !has_priority && self.line_of(observation, crossing).is_none() {
             return false;
         }
-        observation.pedestrians.iter().any(|seen| {
+        let everybody = observation.pedestrians.iter();
+        everybody.filter(|seen| has_priority || self.on_the_road(observation, seen)).any(|seen| {
             let beside =
                 (seen.position.x - crossing.distance).abs() - crossing.width / 2.0 - self.along_margin;
             let y = seen.position.y;
@@ -279,11 +297,31 @@ impl Controller for Yielding {
     }
 
     fn act(&mut self, observation: &Observation) -> Result<Command, ControllerError> {
+        let acceleration = self.among_people(observation);
+        let braking = self.red_light.as_mut().and_then(|rule| rule.braking(observation));
+        if let Some(braking) = braking.filter(|braking| -braking <= acceleration) {
+            self.mode = red_light::mode(red_light::stands(observation.ego.speed));
+            return Ok(Command::Acceleration(-braking));
+        }
+        Ok(Command::Acceleration(acceleration))
+    }
+
+    fn mode(&self) -> Mode {
+        Mode::new(self.mode)
+    }
+}
+
+impl Yielding {
+    /// Its acceleration for people alone, m/s².
+    fn among_people(&mut self, observation: &Observation) -> f64 {
         self.follow(observation);
         self.update_patience(observation);
         let ego = &observation.ego;
         let (crossing, yields) = self.stops_at(observation);
-        let line = crossing.distance - ego.length / 2.0 - crossing.width / 2.0 - self.stop_distance;
+        let stop_distance = self
+            .line_of(observation, &crossing)
+            .map_or(self.stop_distance, |stop_line| self.stop_distance.max(stop_line));
+        let line = crossing.distance - ego.length / 2.0 - crossing.width / 2.0 - stop_distance;
         // Once the front is past the line by more than rounding, stopping before it is over.
         let needed = if line > 0.0 {
             ego.speed * ego.speed / (2.0 * line)
@@ -301,19 +339,15 @@ impl Controller for Yielding {
         let room = self.room(observation);
         if ego.speed * ego.speed > 2.0 * self.max_deceleration * room {
             self.mode = "emergency_braking";
-            return Ok(Command::Acceleration(-self.emergency_deceleration));
+            return -self.emergency_deceleration;
         }
         if self.stopping {
             self.mode = if ego.speed == 0.0 { "waiting" } else { "yielding" };
-            return Ok(Command::Acceleration(-needed.clamp(self.deceleration, self.emergency_deceleration)));
+            return -needed.clamp(self.deceleration, self.emergency_deceleration);
         }
         self.mode = "cruise";
         let wanted = observation.cruise_speed.min((2.0 * self.deceleration * room).sqrt());
-        Ok(Command::Acceleration(keep_speed(ego.speed, wanted, self.acceleration, self.max_deceleration)))
-    }
-
-    fn mode(&self) -> Mode {
-        Mode::new(self.mode)
+        keep_speed(ego.speed, wanted, self.acceleration, self.max_deceleration)
     }
 }
 

@@ -1,7 +1,7 @@
 //! A sketch in words: what stands beside the picture, and what of it lies outside.
 
 use super::outlook::{Outlook, Sight, SightKind};
-use scenario::{CrossingKind, Direction, Ground, VehicleSetup, World};
+use scenario::{CrossingKind, Dimension, Direction, Ground, TrafficSignal, VehicleSetup, World, show};
 use sim::Solid;
 
 /// A line for the road, each road user, each meeting and each line of sight that something is on.
@@ -35,6 +35,11 @@ pub(crate) fn facts(world: &World, outlook: &Outlook) -> Vec<String> {
         lines.push(format!("{}: {kind}{appears}, {pace}{waits}", setup.name));
     }
     lines.push("If all keep their speed:".to_string());
+    let waits = world.vehicles.iter().any(|car| car.obeys_signals)
+        || world.pedestrians.iter().any(|person| person.obeys_signals);
+    if waits {
+        lines.push("  whoever has to wait at the signal is there later than that".to_string());
+    }
     if outlook.meetings.is_empty() {
         lines.push("  no two courses meet".to_string());
     }
@@ -67,9 +72,9 @@ fn road(world: &World) -> String {
     let road = &world.road;
     let crossings = road.crossings().map(|(along, crossing)| {
         let kind = match crossing.kind {
-            CrossingKind::Zebra => "zebra",
-            CrossingKind::Unmarked => "crossing without marks",
-            CrossingKind::Signalised { .. } => "crossing with signals",
+            CrossingKind::Zebra => "zebra".to_string(),
+            CrossingKind::Unmarked => "crossing without marks".to_string(),
+            CrossingKind::Signalised(signal) => signalised(world, &signal),
         };
         let place = if along == 0.0 { String::new() } else { format!(" at {along:.1} m") };
         format!("{kind} of {:.1} m{place}", crossing.width)
@@ -95,6 +100,27 @@ fn road(world: &World) -> String {
         lanes.join(", "),
         medians.collect::<String>(),
         crossings.join("; ")
+    )
+}
+
+/// A signal, and who does not mind it.
+fn signalised(world: &World, signal: &TrafficSignal) -> String {
+    let cars = world.vehicles.iter().map(|car| (&car.name, car.obeys_signals));
+    let people = world.pedestrians.iter().map(|person| (&person.name, person.obeys_signals));
+    let ignoring: Vec<&str> =
+        cars.chain(people).filter(|(_, obeys)| !obeys).map(|(name, _)| name.as_str()).collect();
+    let ignored = match ignoring.is_empty() {
+        true => "obeyed by all".to_string(),
+        false => format!("not obeyed by {}", ignoring.join(", ")),
+    };
+    let seconds = |time: f64| show(time, None, Dimension::TIME);
+    format!(
+        "crossing with a signal (people's green from {} for {} of {}, amber {}, clearance {}; {ignored})",
+        seconds(signal.pedestrian_green_from),
+        seconds(signal.pedestrian_green),
+        seconds(signal.cycle),
+        seconds(signal.amber),
+        seconds(signal.clearance),
     )
 }
 

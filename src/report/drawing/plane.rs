@@ -18,6 +18,8 @@ pub(crate) enum MarkKind {
     Stripe,
     /// The outline of a crossing without stripes.
     Edge,
+    /// Before which vehicles stop for a signal.
+    StopLine,
     /// Something that stands there.
     Block,
 }
@@ -32,6 +34,7 @@ impl MarkKind {
             Self::Median => "median",
             Self::Stripe => "stripe",
             Self::Edge => "edge",
+            Self::StopLine => "stop_line",
             Self::Block => "block",
         }
     }

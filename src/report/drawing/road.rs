@@ -42,8 +42,28 @@ pub(crate) fn road_marks(road: &Road, from: f64, to: f64) -> Vec<Mark> {
         let refuges = road.medians.iter().filter(|median| median.refuge);
         marks.extend(refuges.map(|median| band(MarkKind::Median, road.edges_of(median), ends)));
     }
+    marks.extend(stop_lines(road).into_iter().map(|line| Mark::line(MarkKind::StopLine, line)));
     marks.extend(road.boxes.iter().map(|body| Mark::area(MarkKind::Block, corners(&Footprint::from(body)))));
     marks
+}
+
+/// The line across each lane before which its vehicles stop for the signal of a crossing; none without one.
+pub(crate) fn stop_lines(road: &Road) -> Vec<Vec<Vector2<f64>>> {
+    let signals = road.crossings().filter_map(|(middle, crossing)| {
+        crossing.signal().map(|signal| (middle, crossing.width / 2.0 + signal.stop_line))
+    });
+    let lines = |(middle, before): (f64, f64)| {
+        (0..road.lanes.len()).map(move |lane| {
+            let along = match road.lanes[lane].direction {
+                Direction::Forward => middle - before,
+                Direction::Backward => middle + before,
+            };
+            let centre = road.lane_centre(lane);
+            let edge = |share: f64| beside(road, centre + share * road.lane_width, along, along)[0];
+            vec![edge(-0.46), edge(0.46)]
+        })
+    };
+    signals.flat_map(lines).collect()
 }
 
 /// The outline of each crossing, from kerb to kerb.

@@ -221,6 +221,9 @@ fn draw(sketch: &Sketch, world: &World, picture: &Picture, columns: usize, rows:
     for (point, heading) in &sketch.arrows {
         canvas.put(*point, arrow(*heading));
     }
+    for line in of(MarkKind::StopLine) {
+        canvas.line(&line.points, |_, _| Some('|'));
+    }
     for block in of(MarkKind::Block) {
         canvas.fill(&block.points, '█');
     }

@@ -3,13 +3,13 @@
 use nalgebra::Vector2;
 use serde_json::{Value, json};
 
-use crate::drawing::{Mark, beside, road_marks, view};
+use crate::drawing::{Mark, beside, road_marks, stop_lines, view};
 use crate::replay::describe;
 use files::escape::html_characters;
 use results::Chosen;
 use results::Recording;
 use results::SuiteReport;
-use scenario::{CrossingKind, Side};
+use scenario::{CrossingKind, Side, TrafficSignal};
 
 /// All of them together may take this much of the page, in bytes.
 const MOST_BYTES: usize = 3_000_000;
@@ -55,9 +55,14 @@ fn run(reports: &[SuiteReport], recording: &Recording, reason: &str) -> Value {
         .find(belongs)
         .map_or_else(String::new, |report| report.identity.replay_command(&case.key));
     let signal = match road.crossing.kind {
-        CrossingKind::Signalised { cycle, pedestrian_green_from, pedestrian_green } => {
-            json!([cycle, pedestrian_green_from, pedestrian_green])
-        }
+        CrossingKind::Signalised(TrafficSignal {
+            cycle,
+            pedestrian_green_from,
+            pedestrian_green,
+            amber,
+            clearance,
+            stop_line: _,
+        }) => json!([cycle, pedestrian_green_from, pedestrian_green, amber, clearance]),
         CrossingKind::Zebra | CrossingKind::Unmarked => Value::Null,
     };
     let users = recording.users.iter().enumerate().map(|(who, places)| {
@@ -125,6 +130,7 @@ fn run(reports: &[SuiteReport], recording: &Recording, reason: &str) -> Value {
             "signal": signal,
             "crossing": road.crossing.width,
             "marks": road_marks(road, from, to).iter().map(mark).collect::<Vec<_>>(),
+            "stop_lines": stop_lines(road).iter().map(|line| line.iter().map(|one| point(*one)).collect::<Vec<_>>()).collect::<Vec<_>>(),
             "lamp": point(beside(road, road.kerb(Side::Near) - 0.9, lamp, lamp)[0]),
             "view": view,
             "middle": point(beside(road, (road.kerb(Side::Near) + road.kerb(Side::Far)) / 2.0, 0.0, 0.0)[0]),

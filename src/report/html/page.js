@@ -91,6 +91,8 @@
       element("path", { class: kind, d }, view);
     }
     const lamp = road.signal && element("circle", { cx: road.lamp[0], cy: flip(road.lamp[1]), r: 0.45 }, view);
+    // Where vehicles stop, as their signal shows.
+    const lines = road.signal ? road.stop_lines.map(([[x, y], [toX, toY]]) => element("path", { d: `M${x} ${flip(y)}L${toX} ${flip(toY)}` }, view)) : [];
     const bar = element("g", {}, view);
     element("path", { d: `M${right - 11} ${low + 0.9}v.5h10v-.5`, fill: "none", stroke: "var(--muted)", "stroke-width": 0.1 }, bar);
     element("text", { x: right - 6, y: low + 1.1, "font-size": size, "text-anchor": "middle" }, bar, "10 m");
@@ -109,8 +111,12 @@
     });
     return () => {
       if (lamp) {
-        const [cycle, from, green] = road.signal;
-        lamp.setAttribute("class", (((time - from) % cycle) + cycle) % cycle < green ? "green" : "red");
+        const [cycle, from, green, amber, clearance] = road.signal;
+        const since = (((time - from) % cycle) + cycle) % cycle;
+        lamp.setAttribute("class", since < green ? "green" : "red");
+        const stops = green > 0 && since < green + clearance;
+        const state = stops ? "red" : green > 0 && since >= cycle - amber ? "amber" : "green";
+        for (const line of lines) line.setAttribute("class", `stop_line ${state}`);
       }
       for (const { user, trail, body, label } of actors) {
         const place = placeAt(user, time);

@@ -55,6 +55,7 @@ fn scenario() -> Scenario {
         bend: None,
         ground: None,
         other_crossings: Vec::new(),
+        signal: None,
         vehicles: vec![Vehicle {
             name: "av".into(),
             controller: model(
@@ -69,6 +70,7 @@ fn scenario() -> Scenario {
             start: DeclaredVehicleStart::Automatic,
             lane: 0,
             sees: None,
+            obeys_signals: None,
             origin: Origin::default(),
         }],
         pedestrians: vec![DeclaredPedestrian {
@@ -85,6 +87,7 @@ fn scenario() -> Scenario {
             turned: 0.0.into(),
             walks: None,
             reference: 0.0.into(),
+            obeys_signals: None,
             appears: DeclaredAppearance::TimeToArrival {
                 vehicle: "av".into(),
                 reference: VehicleReference::Centre,

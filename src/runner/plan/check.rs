@@ -6,8 +6,8 @@ use super::overlap::refuse_overlaps;
 use scenario::limits::{self, Limit};
 use scenario::{
     Appearance, Body, CrossingKind, DeclaredPedestrian, DeclaredVehicleStart, Dimension, ModelSetup, Origin,
-    ParameterKind, PedestrianSetup, Registered, Road, Scenario, Shape, Value, VehicleSetup, VehicleStart,
-    World, out_of_range, show,
+    ParameterKind, PedestrianSetup, Registered, Road, Scenario, Shape, TrafficSignal, Value, VehicleSetup,
+    VehicleStart, World, out_of_range, show,
 };
 
 /// Whether the world, which `scenario` was resolved to, can be run: every number finite and within its limits, nobody
@@ -151,10 +151,19 @@ impl Checker<'_> {
         self.within("road.lane_width", "the lane width", road.lane_width, limits::LANE_WIDTH, own)?;
         self.within("road.speed_limit", "the speed limit", road.speed_limit, limits::SPEED_LIMIT, own)?;
         let signal = match road.crossing.kind {
-            CrossingKind::Signalised { cycle, pedestrian_green_from, pedestrian_green } => {
-                [cycle, pedestrian_green_from, pedestrian_green]
+            CrossingKind::Signalised(signal) => {
+                signal.check().map_err(|error| PlanError::new(own, error.message).with_hint(error.hint))?;
+                let TrafficSignal {
+                    cycle,
+                    pedestrian_green_from,
+                    pedestrian_green,
+                    amber,
+                    clearance,
+                    stop_line,
+                } = signal;
+                [cycle, pedestrian_green_from, pedestrian_green, amber, clearance, stop_line]
             }
-            CrossingKind::Zebra | CrossingKind::Unmarked => [0.0; 3],
+            CrossingKind::Zebra | CrossingKind::Unmarked => [0.0; 6],
         };
         let bodies = road.boxes.iter().flat_map(|Body { x, y, length, width, .. }| [*x, *y, *length, *width]);
         for number in bodies.chain(signal).chain([road.crossing.width]) {

@@ -255,6 +255,7 @@ mod tests {
             walks: None,
             appears: DeclaredAppearance::At(number(0.0)),
             reference: number(0.0),
+            obeys_signals: None,
             individuals: Some(Individuals {
                 selection,
                 population: "standard".to_string(),
@@ -275,6 +276,7 @@ mod tests {
             bend: None,
             ground: None,
             other_crossings: Vec::new(),
+            signal: None,
             vehicles: Vec::new(),
             pedestrians,
             variations: Vec::new(),

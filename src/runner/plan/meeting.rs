@@ -219,6 +219,14 @@ fn alone(
         return Err(PlanError::new(origin, message)
             .with_hint("`meets` is for `scripted`, or a `timeline` that compares nothing of vehicles; say `appears` otherwise"));
     }
+    if setup.obeys_signals {
+        let message = format!(
+            "`{}` waits for green at a signal, so nobody knows beforehand when it is where",
+            setup.name
+        );
+        let hint = "let it say `ignores signals`, or `appears` instead of `meets`";
+        return Err(PlanError::new(origin, message).with_hint(hint));
+    }
     let world = World { vehicles: Vec::new(), pedestrians: vec![setup.clone()], ..world.clone() };
     let context =
         PedestrianContext { settings: &setup.model.settings, setup, world: &world, rank: 0, seed: 0 };

@@ -8,8 +8,8 @@ use super::variables::{Variables, number};
 use scenario::geometry::{CurvedPath, GeometryError, Piece, Pose, ReferenceLine};
 use scenario::limits::{self, Limit};
 use scenario::{
-    Bend, BendRadius, DeclaredBend, DeclaredPedestrian, Dimension, Direction, Expression, Ground, Origin,
-    PieceKind, Position, Road, Scenario, Side, show,
+    Bend, BendRadius, Crossing, CrossingKind, DeclaredBend, DeclaredPedestrian, Dimension, Direction,
+    Expression, Ground, Origin, PieceKind, Position, Road, Scenario, Side, SignalError, show,
 };
 
 /// The road of a scenario where variations have these values.
@@ -19,10 +19,10 @@ use scenario::{
 /// itself, and a crossing that is not on it.
 pub(super) fn road(scenario: &Scenario, variables: &Variables) -> Result<Road, PlanError> {
     let ground = ground(scenario, variables)?;
+    let mut own = Road { ground, crossing: crossing(scenario, variables)?, ..scenario.road.clone() };
     let Some(declared) = &scenario.bend else {
-        let mut road = Road { ground, ..scenario.road.clone() };
-        place_crossings(scenario, variables, &mut road, None)?;
-        return Ok(road);
+        place_crossings(scenario, variables, &mut own, None)?;
+        return Ok(own);
     };
     let line = line(scenario, declared, variables)?;
     let crossing = number(&declared.crossing, variables, &declared.origin)?;
@@ -37,7 +37,7 @@ pub(super) fn road(scenario: &Scenario, variables: &Variables) -> Result<Road, P
     }
     let length = line.length();
     let bend = Some(Bend { line: Arc::new(line), crossing });
-    let mut road = Road { bend, ground, ..scenario.road.clone() };
+    let mut road = Road { bend, ..own };
     place_crossings(scenario, variables, &mut road, Some((crossing, length)))?;
     refuse_return(&road, &declared.origin)?;
     let boxes = std::mem::take(&mut road.boxes);
@@ -119,6 +119,26 @@ pub(super) fn stops(
         return Err(PlanError::new(&declared.origin, message).with_hint(hint));
     }
     Ok(stops)
+}
+
+/// The crossing, of whose signal something may vary.
+fn crossing(scenario: &Scenario, variables: &Variables) -> Result<Crossing, PlanError> {
+    let mut found = scenario.road.crossing.clone();
+    let (Some(declared), CrossingKind::Signalised(signal)) = (&scenario.signal, &mut found.kind) else {
+        return Ok(found);
+    };
+    for (name, value) in &declared.varied {
+        let value = number(value, variables, &declared.origin)?;
+        let limit = limits::of_signal(name);
+        let what = format!("`{name}` of the signal");
+        check_number(scenario, &format!("road.{name}"), &what, value, limit, &declared.origin)?;
+        if let Some(number) = signal.number_mut(name) {
+            *number = value;
+        }
+    }
+    let refused = |error: SignalError| PlanError::new(&declared.origin, error.message).with_hint(error.hint);
+    signal.check().map_err(refused)?;
+    Ok(found)
 }
 
 fn ground(scenario: &Scenario, variables: &Variables) -> Result<Ground, PlanError> {

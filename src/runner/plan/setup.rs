@@ -8,10 +8,11 @@ use super::meeting::meet;
 use super::places::{crossing_used, road, stops, way};
 use super::variables::{Variables, number};
 use scenario::{
-    Appearance, ControllerModel, Declaration, DeclaredAppearance, DeclaredFollowing, DeclaredPedestrian,
-    DeclaredShape, DeclaredVehicleStart, Expression, Individual, Model, ModelSetup, Origin, ParameterKind,
-    PedestrianSetup, REAR_AXLE, Road, Scenario, SettingError, Settings, Shape, Value, Vehicle,
-    VehicleReference, VehicleSetup, VehicleStart, World,
+    AT_THE_CROSSING, Appearance, ControllerModel, Declaration, DeclaredAppearance, DeclaredFollowing,
+    DeclaredPedestrian, DeclaredShape, DeclaredVehicleStart, Dimension, Expression, Individual, Model,
+    ModelSetup, Origin, ParameterKind, PedestrianSetup, REAR_AXLE, Road, Scenario, SettingError, Settings,
+    Shape, SignalConduct, SignalError, Value, Vehicle, VehicleReference, VehicleSetup, VehicleStart, World,
+    show,
 };
 
 /// The checked world of `scenario` where the variations have the values `variables`, with these people in it.
@@ -25,7 +26,7 @@ pub fn world(scenario: &Scenario, variables: &Variables, people: &[Individual]) 
     let vehicles = scenario
         .vehicles
         .iter()
-        .map(|declared| vehicle_setup(declared, variables, &pedestrians))
+        .map(|declared| vehicle_setup(scenario, (&road, &pedestrians), declared, variables))
         .collect::<Result<Vec<_>, _>>()?;
     let mut world = World {
         road,
@@ -52,9 +53,10 @@ pub fn world(scenario: &Scenario, variables: &Variables, people: &[Individual]) 
 }
 
 fn vehicle_setup(
+    scenario: &Scenario,
+    (road, pedestrians): (&Road, &[PedestrianSetup]),
     declared: &Vehicle,
     variables: &Variables,
-    pedestrians: &[PedestrianSetup],
 ) -> Result<VehicleSetup, PlanError> {
     let number = |expression: &Expression| number(expression, variables, &declared.origin);
     let controller = chosen(&declared.controller, "controller", variables)?;
@@ -108,7 +110,10 @@ fn vehicle_setup(
         }
         None => None,
     };
+    let said = signals_said(scenario, &declared.name, &declared.origin);
+    let obeys = conduct(controller.signals, declared.obeys_signals, &controller.declaration, said)?;
     Ok(VehicleSetup {
+        obeys_signals: obeys && road.has_signal(),
         name: declared.name.clone(),
         controller: ModelSetup {
             settings: controller_settings(
@@ -217,7 +222,9 @@ fn pedestrian_setup(
     }
     let settings =
         model.declaration.fill_in(&given).map_err(|error| refused(&declared.model.origin, &error))?;
-    Ok(PedestrianSetup {
+    let (signals, declaration) = (model.signals, model.declaration.clone());
+    let mut setup = PedestrianSetup {
+        obeys_signals: false,
         name: declared.name.clone(),
         kind: declared.kind,
         model: ModelSetup { model: model.into(), settings },
@@ -229,7 +236,47 @@ fn pedestrian_setup(
         crossing: crossing_used(road, declared)?.0,
         appears,
         reference: number(&declared.reference)?,
-    })
+    };
+    let (said, origin) = (declared.obeys_signals, signals_said(scenario, &declared.name, &declared.origin));
+    let obeys = conduct(signals, said, &declaration, origin)?;
+    if !obeys || !road.has_signal() {
+        return Ok(setup);
+    }
+    let met = setup.meets_signal(road);
+    if let (Some(true), false) = (said, met) {
+        let message = format!(
+            "{} `{}` does not step onto the road at the crossing, so that there is no signal to obey",
+            declared.kind.word(),
+            declared.name
+        );
+        let hint = format!(
+            "leave `obeys signals` out, or let the way begin at most {} from the middle of the crossing",
+            show(
+                road.numbered_crossing(setup.crossing).1.width / 2.0 + AT_THE_CROSSING,
+                None,
+                Dimension::LENGTH
+            )
+        );
+        return Err(PlanError::new(origin, message).with_hint(hint));
+    }
+    setup.obeys_signals = met;
+    Ok(setup)
+}
+
+/// Where a scenario says what somebody does about signals.
+fn signals_said<'a>(scenario: &'a Scenario, name: &str, own: &'a Origin) -> &'a Origin {
+    scenario.written.get(&format!("{name}.signals")).map_or(own, |said| &said.origin)
+}
+
+/// Whether a model stops for red where a scenario says so much of it.
+fn conduct(
+    signals: SignalConduct,
+    said: Option<bool>,
+    declaration: &Declaration,
+    origin: &Origin,
+) -> Result<bool, PlanError> {
+    let refused = |error: SignalError| PlanError::new(origin, error.message).with_hint(error.hint);
+    signals.obeys(said, &declaration.name).map_err(refused)
 }
 
 fn resolve<T>(

@@ -32,6 +32,12 @@ pub fn standalone(
     for place in &mut own.other_crossings {
         fix(&mut place.at, &variables, &place.origin)?;
     }
+    if let Some(signal) = &mut own.signal {
+        signal
+            .expressions_mut()
+            .into_iter()
+            .try_for_each(|(value, origin)| fix(value, &variables, origin))?;
+    }
     for car in &mut own.vehicles {
         fix_vehicle(car, &variables)?;
     }

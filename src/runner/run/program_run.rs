@@ -9,7 +9,7 @@ use super::free_flow::{Begun as BegunFlow, FreeFlowRun, SEED};
 use super::job::{Done, Job, JobFailure, JobPlace, LoggedDecision, Ran, Wanted, Watcher};
 use super::panic::{Panicked, in_case};
 use numbers::random::ranks;
-use scenario::{CrossingKind, DeclaredProgram, Delay, VehicleSetup, World};
+use scenario::{DeclaredProgram, Delay, SignalState, VehicleSetup, World};
 use sim::random::{Agent, Purpose, stream};
 use sim::{Course, Fault, Progress, StopReason};
 use under_test::{AcquiredProcesses, Answered, Decision, DueDecision, FaultKind, Opened, ProgramFault};
@@ -299,19 +299,12 @@ impl ProgramRun {
         let mut asked = course.asked();
         let (_, seen) = asked.find(|(vehicle, _)| *vehicle == request.vehicle).expect("it is asked");
         let driver = &self.drivers[request.driver];
-        // Of the crossing that the vehicle comes to.
-        let (road, setup) = (&self.world().road, &self.world().vehicles[request.vehicle]);
-        let (path, ahead) = (setup.path(road), seen.ego.travelled + seen.ego.distance_to_crossing);
-        let mut crossings = road.crossings();
-        let told = crossings.find(|(along, _)| (path.at_line(*along) - ahead).abs() < 1e-6);
-        let is_signalised =
-            told.is_some_and(|(_, crossing)| matches!(crossing.kind, CrossingKind::Signalised { .. }));
         DueDecision {
             slot: request.slot,
             is_new: driver.is_first,
             seen,
             period: driver.period,
-            signal: is_signalised.then_some(!seen.road.pedestrian_priority),
+            signal: seen.road.signal.map(|signal| signal.state == SignalState::Green),
         }
     }
 

@@ -10,7 +10,7 @@ mod state;
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
-use super::{Ground, Position, Road, RoadUserKind, Shape};
+use super::{Ground, Position, Road, RoadUserKind, SeenSignal, Shape};
 
 pub use command::{Command, CommandKind};
 pub use controller_error::ControllerError;
@@ -57,6 +57,8 @@ pub struct Scene<'a> {
     pub vehicles: &'a [VehicleState],
     /// Look only at those that are `present`.
     pub pedestrians: &'a [PedestrianState],
+    /// Whether it was kept from stepping onto the road in the step before, since its signal showed no green.
+    pub held: bool,
 }
 
 impl<'a> Scene<'a> {
@@ -191,6 +193,9 @@ pub struct RoadView {
     pub crossing_width: f64,
     /// Whether pedestrians have priority at that crossing now.
     pub pedestrian_priority: bool,
+    /// What the signal of that crossing shows to vehicles; `None`: there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub signal: Option<SeenSignal>,
     /// y of the edge of the carriageway on the ego's right, a kerb or a median, m (negative).
     pub right_kerb: f64,
     /// y of the edge of the carriageway on the ego's left, m.

@@ -198,8 +198,18 @@ fn people_look_over_cars_and_past_people_but_not_over_buses_and_boxes() {
     let sees = |road: &scenario::Road, vehicles: &[VehicleState]| {
         let goal = scenario::Position { x: 0.0, y: 8.0 };
         let (crossing, legs) = (0, (0, 0));
-        let scene =
-            Scene { time: 0.0, step: 0.1, road, crossing, me: 0, goal, legs, vehicles, pedestrians: &people };
+        let scene = Scene {
+            time: 0.0,
+            step: 0.1,
+            road,
+            crossing,
+            me: 0,
+            goal,
+            legs,
+            vehicles,
+            pedestrians: &people,
+            held: false,
+        };
         sees_vehicle(&scene, 0)
     };
     let far = vehicle(-20.0, 3.5, 4.5);

@@ -13,8 +13,8 @@ const FROM_RUNS: usize = SEEN.len() - 3;
 /// Where red and green are.
 const SIGNAL: usize = 11;
 
-/// Where the gradient is.
-const GRADIENT: usize = FROM_RUNS - 1;
+/// Where the gradient is, amber and the stop line behind it.
+const GRADIENT: usize = FROM_RUNS - 3;
 
 /// Who is ahead.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,8 +51,8 @@ pub fn signals(rows: &RunRows) -> [f64; COUNT] {
         // No signal keeps the vehicle from going.
         all[SIGNAL] = 1.0;
     }
-    if all[GRADIENT].is_nan() {
-        all[GRADIENT] = 0.0;
+    for number in all[GRADIENT..FROM_RUNS].iter_mut().filter(|number| number.is_nan()) {
+        *number = 0.0;
     }
     let (speed, length, lane) = (all[3], all[5], all[7]);
     let mut ahead = objects(rows, length);
@@ -135,8 +135,9 @@ mod tests {
     #[test]
     fn a_road_that_says_no_gradient_is_level() {
         let mut run = run();
-        run[18] = f64::NAN;
-        assert_eq!(of(&run, &[], &[])("road.gradient"), 0.0);
+        run[18..21].fill(f64::NAN);
+        let signal = of(&run, &[], &[]);
+        assert_eq!(["road.gradient", "road.amber", "road.stop_line"].map(signal), [0.0; 3]);
     }
 
     #[test]

@@ -63,7 +63,7 @@ class Seen(NamedTuple):
     crossing_width: float
     pedestrian_priority: bool
     signal: Optional[bool]
-    """Whether vehicles have green; None where there is no signal."""
+    """Whether vehicles have green, neither red nor amber; None where there is no signal."""
     right_kerb: float
     left_kerb: float
     travelled: float
@@ -72,6 +72,10 @@ class Seen(NamedTuple):
     """Of the lane at the ego, to the left, 1/m."""
     gradient: float
     """Rise of the road per metre ahead; NaN where it says none."""
+    amber: float
+    """1 while vehicles have amber, 0 while they have green or red; NaN where there is no signal."""
+    stop_line: float
+    """From the near edge of the crossing back to the line at which vehicles stop, m; NaN where there is no signal."""
     pedestrians: List[Pedestrian]
     vehicles: List[Vehicle]
     curvature_ahead: List[CurvatureChange] = []
@@ -210,7 +214,7 @@ def _scene(values, pedestrians, vehicles, changes):
         *values[3:12],
         values[12] == 1.0,
         None if signal != signal else signal == 1.0,
-        *values[14:19],
+        *values[14:21],
         pedestrians,
         vehicles,
         changes,

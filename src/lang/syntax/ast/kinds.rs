@@ -2,9 +2,9 @@
 
 use super::{
     Argument, Binding, Calibrate, Constraint, Controller, ControllerDefinition, Crossing, Direction,
-    Dynamics, Evaluate, Expression, Measure, Metric, Model, Name, Obstacle, OtherCrossing, Parameter, Pedestrian,
-    RoadDefinition, Scenario, Search, Sees, Settings, Statement, Suite, Tag, Tested, Tune, Turn, Varied,
-    VaryTogether, Vehicle,
+    Dynamics, Evaluate, Expression, Measure, Metric, Model, Name, Obstacle, OtherCrossing, Parameter,
+    Pedestrian, RoadDefinition, Scenario, Search, Sees, Settings, Statement, Suite, Tag, Tested, Tune, Turn,
+    Varied, VaryTogether, Vehicle,
 };
 use super::{Node, Rule, View};
 

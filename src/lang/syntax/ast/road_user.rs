@@ -18,6 +18,9 @@ views! {
         lane: (Lane),
         start: (VehicleStart),
         follows: (Follows),
+        signals: (SignalRule),
+        obeys: (Obeys),
+        ignores: (Ignores),
     }
     Controller = controller { name: Name, settings: (Settings) }
     Dynamics = dynamics { name: Name, settings: (Settings) }
@@ -52,6 +55,9 @@ views! {
         appears: (Appears),
         meets: (Meets),
         reference: (ReferencePoint),
+        signals: (SignalRule),
+        obeys: (Obeys),
+        ignores: (Ignores),
     }
     Model = model { name: Name, settings: (Settings) }
     /// `individuals 5 of standard`, `individuals all of standard` or `individual 17 of standard`
@@ -88,6 +94,10 @@ views! {
     Meets = meets { vehicle: Name, share: Expression, after: (MetAfter) }
     /// `after 11 m`
     MetAfter = met_after { way: Expression }
+    /// `obeys signals`
+    Obeys = obeys {}
+    /// `ignores signals`
+    Ignores = ignores {}
     /// `reference 0.06 m behind centre`
     ReferencePoint = reference_point { value: Expression, is_behind: {kw_behind} }
 }
@@ -97,6 +107,14 @@ choices! {
     Shape = Size | Radius;
     /// What says when a pedestrian enters the world.
     Appearance = Appears | Meets;
+    /// What somebody does about the signal of the crossing.
+    SignalRule = Obeys | Ignores;
+}
+
+impl SignalRule<'_> {
+    pub fn is_obeyed(self) -> bool {
+        matches!(self, Self::Obeys(_))
+    }
 }
 
 impl<'t> RoadUser<'t> {
@@ -127,6 +145,18 @@ pub(super) const INDIVIDUAL: StatementEntry = statement(
     "Takes the parameters of one person of a population.",
 )
 .key("individual", YamlShape::Words);
+
+const OBEYS: StatementEntry = statement(
+    "obeys",
+    Rule::obeys,
+    "obeys signals",
+    "Stops for the red of a crossing with a signal; most models do where nothing is said.",
+)
+.key("obeys", YamlShape::Words);
+
+const IGNORES: StatementEntry =
+    statement("ignores", Rule::ignores, "ignores signals", "Goes though a signal shows red.")
+        .key("ignores", YamlShape::Words);
 
 pub static VEHICLE: BlockEntry = BlockEntry {
     kind: BlockKind::Vehicle,
@@ -181,6 +211,8 @@ pub static VEHICLE: BlockEntry = BlockEntry {
             "Which point of it follows the lane, whose direction it has; its centre if not said, and an axle 0.3 of its length behind that.",
         )
         .key("follows", YamlShape::Words),
+        OBEYS,
+        IGNORES,
     ],
 };
 
@@ -294,5 +326,7 @@ pub static PEDESTRIAN: BlockEntry = BlockEntry {
         )
         .key("reference", YamlShape::Words)
         .set_where_said(),
+        OBEYS,
+        IGNORES,
     ],
 };

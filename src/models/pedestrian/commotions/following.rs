@@ -65,6 +65,7 @@ mod tests {
             legs: (0, 0),
             vehicles,
             pedestrians: people,
+            held: false,
         })
     }
 

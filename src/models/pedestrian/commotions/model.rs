@@ -9,7 +9,7 @@ use crate::pedestrian::across::check_across;
 use crate::pedestrian::{PedestrianContext, PedestrianModel};
 use nalgebra::Vector2;
 use numbers::random::Stream;
-use scenario::{Conflict, ConflictArea, Declaration, Dimension, Road, Settings, half_extent};
+use scenario::{Conflict, ConflictArea, Declaration, Dimension, Road, Settings, Side, half_extent};
 use sim::random::{self, Purpose};
 use sim::sight::sees_vehicle;
 use sim::{
@@ -69,6 +69,7 @@ fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError>
         action_duration: person.parameters.action_duration,
         steps_per_decision: person.steps_per_decision,
         entry_inhibited_until: context.settings.number("entry_inhibited_until"),
+        obeys_signals: context.setup.obeys_signals,
         steps: 0,
         acceleration: 0.0,
         standing: true,
@@ -311,6 +312,8 @@ struct Walker {
     action_duration: f64,
     steps_per_decision: u64,
     entry_inhibited_until: f64,
+    /// Whether it waits for green.
+    obeys_signals: bool,
     steps: u64,
     acceleration: f64,
     standing: bool,
@@ -345,12 +348,19 @@ impl Pedestrian for Walker {
     }
 }
 
+/// Whether somebody beside the road has no green. Who is on the road goes on.
+fn has_red(scene: &Scene) -> bool {
+    let (road, y) = (scene.road, scene.road.across(scene.ego().position));
+    let beside = y <= road.kerb(Side::Near) || y >= road.kerb(Side::Far);
+    beside && !scene.pedestrian_priority()
+}
+
 impl Walker {
     fn decide(&mut self, scene: &Scene) -> f64 {
         let me = scene.ego();
         let rules = Rules {
             pedestrian_priority: scene.pedestrian_priority(),
-            entry_inhibited: scene.time < self.entry_inhibited_until,
+            entry_inhibited: scene.time < self.entry_inhibited_until || self.obeys_signals && has_red(scene),
         };
         let way = me.heading;
         let speed = me.velocity.dot(&way);

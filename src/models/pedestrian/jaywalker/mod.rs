@@ -15,13 +15,13 @@ use declaration::{declaration, stop_times};
 
 use super::{PedestrianContext, PedestrianModel};
 use crate::pedestrian::across::check_across;
-use scenario::{Dimension, show_outside};
+use scenario::{Dimension, SignalConduct, show_outside};
 use sim::random::{Agent, Purpose, stream};
 use sim::{ModelError, Pedestrian, Stated, StatedBy};
 
 pub fn jaywalker() -> PedestrianModel {
     let declaration = declaration();
-    PedestrianModel::new(declaration, build).in_legs()
+    PedestrianModel::new(declaration, build).in_legs().signals(SignalConduct::Ignores)
 }
 
 /// Shortest and longest step that the model is checked at, s.

@@ -1,4 +1,4 @@
-//! A reduced Autoware: how its stack reacts to pedestrians at a crossing without a signal, longitudinally.
+//! A reduced Autoware: how its stack reacts to pedestrians and the signal at a crossing, longitudinally.
 //!
 //! Tracker, decisions and profile run at the planning rate, the controller at its own; the `delay_lag` dynamics are
 //! the vehicle. What it is and is not: docs/models/controller-autoware.md.
@@ -17,9 +17,10 @@ mod site;
 mod stack;
 mod stop_position;
 mod tracker;
+mod traffic_light;
 
 use super::{CommandKind, ControllerContext, ControllerModel};
-use scenario::{Chance, CrossingKind, Dimension};
+use scenario::{Chance, Dimension, SignalConduct};
 use sim::random::{Agent, Purpose, stream};
 use sim::{Controller, ModelError, Stated, StatedBy};
 
@@ -29,17 +30,11 @@ pub fn autoware() -> ControllerModel {
     ControllerModel::new(declaration, CommandKind::Acceleration, build)
         .driving("delay_lag")
         .chance(Chance::If(|settings| settings.number("miss_probability") > 0.0))
+        .signals(SignalConduct::Obeys)
 }
 
 fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError> {
     let settings = context.settings;
-    let signalised = matches!(context.world.road.crossing.kind, CrossingKind::Signalised { .. });
-    if signalised && settings.flag("crosswalk_mapped") {
-        return Err(ModelError::with_hint(
-            "`autoware` does not know signals at a mapped crosswalk",
-            "use `preset: lane_only`, or a crossing without a signal",
-        ));
-    }
     if !context.world.road.other_crossings.is_empty() && settings.flag("crosswalk_mapped") {
         return Err(ModelError::with_hint(
             "`autoware` is given a map with one crosswalk, and the road has several crossings",
@@ -64,5 +59,6 @@ fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError>
     }
     let misses = stream(context.seed, Agent::Vehicle(context.rank), Purpose::Perception);
     let pedestrians = context.world.pedestrians.len();
-    Ok(Box::new(stack::Stack::new(settings, context.setup.speed, pedestrians, misses)))
+    let map_has_signal = context.setup.obeys_signals;
+    Ok(Box::new(stack::Stack::new(settings, context.setup.speed, (pedestrians, misses), map_has_signal)))
 }

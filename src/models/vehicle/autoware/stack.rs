@@ -10,6 +10,7 @@ use super::profile::{Profile, ProfileConstants, StopPoint};
 use super::site::{Ego, Site};
 use super::stop_position::{CrosswalkStop, StopConstants};
 use super::tracker::Tracker;
+use super::traffic_light::TrafficLight;
 use numbers::random::Stream;
 use scenario::Settings;
 use sim::{Command, Controller, ControllerError, Mode, Observation, Schedule};
@@ -30,6 +31,8 @@ pub struct Stack {
     minds: Vec<Mind>,
     standing: YieldingStanding,
     crosswalk: CrosswalkStop,
+    /// `None`: its map has no signal.
+    traffic_light: Option<TrafficLight>,
     emergency_brake: EmergencyBrake,
     profile: Profile,
     longitudinal: LongitudinalController,
@@ -79,7 +82,14 @@ struct Clock {
 
 impl Stack {
     /// For a vehicle that cruises at `speed` (m/s) among `pedestrians`; `misses` draws detections that fail.
-    pub fn new(settings: &Settings, speed: f64, pedestrians: usize, misses: Stream) -> Self {
+    ///
+    /// `map_has_signal`: whether its map has the signal of the crossing.
+    pub fn new(
+        settings: &Settings,
+        speed: f64,
+        (pedestrians, misses): (usize, Stream),
+        map_has_signal: bool,
+    ) -> Self {
         let profile = ProfileConstants::new(settings);
         let cruise = settings.optional_number("max_speed");
         let delay_compensation = settings.number("delay_compensation");
@@ -120,6 +130,7 @@ impl Stack {
             minds: (0..pedestrians).map(|_| Mind::default()).collect(),
             standing: YieldingStanding::new(settings),
             crosswalk: CrosswalkStop::default(),
+            traffic_light: map_has_signal.then(TrafficLight::default),
             emergency_brake: EmergencyBrake::new(settings),
             // A controller may be called late by up to one period of its own or of its vehicle's.
             profile: Profile::new(
@@ -149,11 +160,17 @@ impl Stack {
         let site = Site::of(observation);
         self.tracker.update(time);
         self.minds.resize_with(self.tracker.len(), Mind::default);
-        let crosswalk = self.crosswalk_stop(time, ego, &site);
+        // While people have red the module looks at none of them.
+        let people_have_red = self.traffic_light.is_some()
+            && observation.road.signal.is_some()
+            && !observation.road.pedestrian_priority;
+        let crosswalk = self.crosswalk_stop(time, ego, &site, people_have_red);
+        let light = self.traffic_light.as_mut().and_then(|module| module.stop(observation, ego, &site));
         let lane = self.lane_stop(time, ego, crosswalk);
         let around = (0..self.tracker.len()).filter_map(|index| self.tracker.unconfirmed(index));
         let emergency = self.emergency_brake.update(time, ego, around);
-        let stop = self.nearest(ego, crosswalk, lane);
+        let before = crosswalk.into_iter().chain(light).reduce(f64::min);
+        let stop = self.nearest(ego, before, lane);
         if emergency {
             self.profile.follow(ego.speed, ego.acceleration);
             self.plan_end = None;
@@ -165,15 +182,15 @@ impl Stack {
         self.clock.planned_at = time;
         self.signs = Signs {
             emergency,
-            lane_stop: lane.is_some_and(|lane| crosswalk.is_none_or(|crosswalk| lane < crosswalk)),
-            crosswalk_stop: crosswalk.is_some(),
+            lane_stop: lane.is_some_and(|lane| before.is_none_or(|before| lane < before)),
+            crosswalk_stop: before.is_some(),
             braking: self.profile.brakes(),
             ..Signs::default()
         };
     }
 
     /// The stop for the crosswalk (s in m), if somebody is yielded to.
-    fn crosswalk_stop(&mut self, time: f64, ego: &Ego, site: &Site) -> Option<f64> {
+    fn crosswalk_stop(&mut self, time: f64, ego: &Ego, site: &Site, people_have_red: bool) -> Option<f64> {
         let constants = &self.constants;
         let default_stop = constants.stop.default_stop(site);
         let ego_yields = self.standing.is_yielding(time, ego.speed, default_stop - ego.front);
@@ -195,7 +212,7 @@ impl Stack {
                 nearest = Some(nearest.map_or(point.place, |place| place.min(point.place)));
             }
         }
-        let evaluated = constants.mapped && ego.front <= attention;
+        let evaluated = constants.mapped && ego.front <= attention && !people_have_red;
         match nearest.filter(|_| evaluated) {
             Some(place) => self.crosswalk.update(place, ego, site, &constants.stop),
             None => {

@@ -195,6 +195,7 @@ mod tests {
                 speed_limit: 8.0,
                 crossing_width: 4.0,
                 pedestrian_priority: true,
+                signal: None,
                 right_kerb: -2.0,
                 left_kerb: 2.0,
                 gradient: None,

@@ -1,22 +1,28 @@
 //! CARLA's BehaviorAgent: binary emergency braking by distance, otherwise a nearly bang-bang speed controller.
 //!
-//! On a straight road without turns or traffic lights. It never slows down for a pedestrian: either its distance
+//! On a straight road without turns. For a red light it brakes as for an obstacle. It never slows down for a pedestrian: either its distance
 //! test says emergency brake, or it drives on.
 
 mod declaration;
+mod light;
 mod obstacle;
 mod speed_controller;
 
+use super::red_light;
 use super::{CommandKind, ControllerContext, ControllerModel};
 use declaration::KMH;
+use light::LightTest;
 use obstacle::ObstacleTest;
-use scenario::{Chance, Settings};
+use scenario::{Chance, Settings, SignalConduct};
 use sim::{Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule};
 use speed_controller::SpeedController;
 
 pub fn carla_behavior() -> ControllerModel {
     let declaration = declaration::declaration();
-    ControllerModel::new(declaration, CommandKind::Pedals, build).driving("generic").chance(Chance::Never)
+    ControllerModel::new(declaration, CommandKind::Pedals, build)
+        .driving("generic")
+        .chance(Chance::Never)
+        .signals(SignalConduct::Obeys)
 }
 
 struct CarlaBehavior {
@@ -27,6 +33,8 @@ struct CarlaBehavior {
     emergency_brake: f64,
     following: Following,
     obstacle: ObstacleTest,
+    /// `None`: it ignores signals.
+    light: Option<LightTest>,
     speed_controller: SpeedController,
     mode: &'static str,
 }
@@ -69,6 +77,7 @@ fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError>
             min_speed: settings.number("min_following_speed"),
         },
         obstacle: ObstacleTest::from_settings(settings),
+        light: context.setup.obeys_signals.then(|| LightTest::from_settings(settings)),
         speed_controller: speed_controller(settings),
         mode: "cruise",
     }))
@@ -118,6 +127,10 @@ impl Controller for CarlaBehavior {
     }
 
     fn act(&mut self, observation: &Observation) -> Result<Command, ControllerError> {
+        if self.light.as_mut().is_some_and(|light| light.stops(observation)) {
+            self.mode = red_light::mode(red_light::stands(observation.ego.speed));
+            return Ok(Command::Pedals { throttle: 0.0, brake: self.emergency_brake });
+        }
         let mut wanted = self.wanted_speed(observation);
         let walker = self.obstacle.walker(observation);
         let vehicle = self.obstacle.vehicle(observation);

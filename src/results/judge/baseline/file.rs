@@ -206,7 +206,11 @@ fn write_vehicle(line: &mut impl FnMut(usize, &str), vehicle: &TestedVehicle, en
         line(4, "},");
     }
     line(4, &format!("\"length\": {},", json(&vehicle.length)));
-    line(4, &format!("\"width\": {}", json(&vehicle.width)));
+    let obeys = if vehicle.obeys_signals { "," } else { "" };
+    line(4, &format!("\"width\": {}{obeys}", json(&vehicle.width)));
+    if vehicle.obeys_signals {
+        line(4, "\"obeys_signals\": true");
+    }
     line(3, &format!("}}{end}"));
 }
 

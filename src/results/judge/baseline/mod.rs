@@ -100,6 +100,13 @@ pub struct TestedVehicle {
     pub length: f64,
     /// m
     pub width: f64,
+    /// Whether it stops for a signal's red.
+    #[serde(default, skip_serializing_if = "is_false")]
+    pub obeys_signals: bool,
+}
+
+fn is_false(flag: &bool) -> bool {
+    !flag
 }
 
 /// All runs of one trial.
