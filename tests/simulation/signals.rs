@@ -343,3 +343,42 @@ fn a_script_goes_on_from_the_kerb() {
     // 3 m from where it began, wherever it waited meanwhile: 0.25 m beyond the centre of the near lane.
     assert!(!stands.is_empty() && stands.iter().all(|y| (y - 0.25).abs() < 1e-6), "{stands:?}");
 }
+
+/// Of several crossings the one that is next is obeyed, and by people the one that they use.
+#[test]
+fn each_crossing_has_its_own_signal() {
+    let school = SIGNAL.replace("signalised {", "crossing school signalised { at: 60 m,");
+    let users = |more: &str| {
+        format!(
+            "vehicle av {{ controller idm_aeb; speed 30 km/h; start 39 s before crossing; {more} }}\n pedestrian walker {{ model scripted; crosses school; start 1 m from kerb; appears at 10 s }}"
+        )
+    };
+    let run = |more: &str| {
+        let text = street(&format!("zebra; {school}"), &users(more)).replace("finish 60 m", "finish 120 m");
+        let case = case(&text);
+        assert!(case.world.pedestrians[0].obeys_signals, "{text}");
+        let mut course = Course::default();
+        simulate(&case.world, road_users(&case.world, case.seed).unwrap(), &mut course).unwrap();
+        course
+    };
+    let course = run("");
+    let (_, signal) = (
+        0,
+        *case(&street(SIGNAL, &users("").replace("crosses school; ", "")))
+            .world
+            .road
+            .crossing
+            .signal()
+            .unwrap(),
+    );
+    let stood =
+        course.0.iter().filter(|(_, cars, _)| cars[0].speed < 0.1).map(|(_, cars, _)| cars[0].travelled);
+    let stood: Vec<f64> = stood.collect();
+    // Before the second crossing, 60 m behind the first.
+    assert!(!stood.is_empty() && stood.iter().all(|at| (45.0..60.0).contains(at)), "{stood:?}");
+    let entered =
+        course.0.iter().find(|(_, _, people)| people[0].present && people[0].position.y > -1.75).unwrap();
+    assert!(signal.people_have_green(entered.0), "{}", entered.0);
+    let through = run("ignores signals");
+    assert!(through.0.iter().all(|(_, cars, _)| cars[0].speed > 7.0));
+}
