@@ -393,7 +393,8 @@ impl Course {
         if let Some(rule) = &mut self.wait_for_green {
             let (ways, step, now) = (&self.ways, self.world.step, (&self.world.road, time));
             let modes = &mut self.pedestrian_modes;
-            rule.hold(now, &self.now.pedestrians, &mut self.motions, modes, |index, state, motion| {
+            let people = (&self.now.pedestrians[..], &self.legs[..]);
+            rule.hold(now, people, &mut self.motions, modes, |index, state, motion| {
                 walk(state, motion, ways[index], step, step);
             });
         }

@@ -49,6 +49,12 @@ impl Legs {
         ends
     }
 
+    /// Whether they stand on the refuge from where the leg begins that they are on.
+    pub fn waits_on_refuge(&self, state: &PedestrianState) -> bool {
+        let begins = self.current.checked_sub(1).map(|before| Vector2::from(self.goals[before]));
+        begins.is_some_and(|begins| (state.position - begins).dot(&self.way) <= ON_IT)
+    }
+
     /// The motion over a step that does not lead beyond the end of a leg: whoever comes there within the step stands there. `walk`
     /// moves them by the whole of the step.
     pub fn held(
@@ -114,10 +120,12 @@ mod tests {
     fn one_leg_comes_after_the_other() {
         let mut legs = Legs::new(&setup());
         assert_eq!((legs.goal().y, legs.left()), (3.0, 2));
+        assert!(!legs.waits_on_refuge(&at(-4.0)));
         assert!(!legs.reaches(&at(2.9)));
         assert!(legs.reaches(&at(3.0)));
         assert_eq!((legs.goal().y, legs.left()), (7.0, 1));
         assert!(!legs.reaches(&at(3.0)));
+        assert!(legs.waits_on_refuge(&at(3.0)) && !legs.waits_on_refuge(&at(3.1)));
         assert!(legs.reaches(&at(7.0)));
         // The last ends nowhere.
         assert_eq!((legs.goal().y, legs.left()), (12.0, 0));

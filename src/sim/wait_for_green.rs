@@ -1,6 +1,8 @@
-//! People who obey a signal do not step onto the road without green, whatever their models want. Who is on it goes on.
+//! People who obey a signal do not step onto the road without green, from the pavement or from a refuge on which they wait, whatever their
+//! models want. Who is on it goes on.
 
 use super::geometry::Footprint;
+use super::legs::Legs;
 use scenario::agent::{Mode, Motion, PedestrianState};
 use scenario::{Road, Side, World};
 
@@ -28,11 +30,11 @@ impl WaitForGreen {
         self.held[index]
     }
 
-    /// Keeps those on the pavement who would step onto the road in the step from `time` (s) on. `walk` moves somebody by the whole of it.
+    /// Keeps those where they are who would step onto the road in the step from `time` (s) on. `walk` moves somebody by the whole of it.
     pub fn hold(
         &mut self,
         (road, time): (&Road, f64),
-        people: &[PedestrianState],
+        (people, legs): (&[PedestrianState], &[Legs]),
         motions: &mut [Motion],
         modes: &mut [Mode],
         walk: impl Fn(usize, &mut PedestrianState, Motion),
@@ -45,7 +47,8 @@ impl WaitForGreen {
             }
             let mut then = *now;
             walk(index, &mut then, motions[index]);
-            if steps_onto_road(road, now, &then) {
+            let sets_off = then.position != now.position && legs[index].waits_on_refuge(now);
+            if sets_off || steps_onto_road(road, now, &then) {
                 motions[index] = Motion::Walk(nalgebra::Vector2::zeros());
                 modes[index] = Mode::new("waiting_at_red");
                 self.held[index] = true;
@@ -72,6 +75,7 @@ fn steps_onto_road(road: &Road, now: &PedestrianState, then: &PedestrianState) -
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fixture;
     use nalgebra::Vector2;
     use scenario::{CrossingKind, Direction, Shape, TrafficSignal};
 
@@ -94,13 +98,14 @@ mod tests {
         road.crossing.kind = CrossingKind::Signalised(TrafficSignal::new(60.0, 2.0, 10.0));
         let mut rule = WaitForGreen { who: vec![Some(0)], held: vec![false] };
         let (mut people, mut modes) = (vec![person(start)], vec![Mode::NONE]);
+        let legs = [Legs::new(&fixture::world().pedestrians[0])];
         for step in 0..steps {
             let mut motions = vec![Motion::Walk(Vector2::new(0.0, speed))];
             let walk = |_: usize, state: &mut PedestrianState, motion: Motion| {
                 let Motion::Walk(velocity) = motion else { unreachable!("they walk") };
                 state.position += velocity * STEP;
             };
-            rule.hold((&road, step as f64 * STEP), &people, &mut motions, &mut modes, walk);
+            rule.hold((&road, step as f64 * STEP), (&people, &legs), &mut motions, &mut modes, walk);
             walk(0, &mut people[0], motions[0]);
         }
         people[0].position.y

@@ -209,6 +209,35 @@ fn a_leg_is_a_fresh_encounter() {
 }
 
 #[test]
+fn who_obeys_a_signal_waits_for_green_on_the_refuge_too() {
+    // A `jaywalker` lets a car pass that is 3 km away.
+    for model in WALKERS.iter().filter(|model| **model != "jaywalker") {
+        let street = |conduct: &str| {
+            format!(
+                "scenario a {{
+  road {{ lanes forward, backward; lane_width 3.5 m; speed_limit 50 km/h; {REFUGE}
+    crossing signalised {{ cycle: 60 s, pedestrian_green: 4 s, pedestrian_green_from: 1 s }} }}
+  horizon 200 s; finish 60 m
+  vehicle av {{ controller constant_speed; speed 10 m/s; start 3 km before crossing }}
+  {}
+}}",
+                walker(model, &format!("waits on refuge; {conduct} signals"))
+            )
+        };
+        // When they leave the refuge, s.
+        let sets_off = |conduct: &str| {
+            let found = places(&street(conduct));
+            let last = found.walker.iter().rposition(|place| (place.y - 2.75).abs() < 1e-9);
+            last.unwrap_or_else(|| panic!("{model} comes to the refuge")) as f64 * 0.025
+        };
+        // Whichever green they set off in, it ends on the first leg.
+        let (obeys, ignores) = (sets_off("obeys"), sets_off("ignores"));
+        assert!(obeys > 60.0 && (0.97..5.0).contains(&(obeys % 60.0)), "{model} sets off after {obeys} s");
+        assert!((5.0..30.0).contains(&ignores), "{model} sets off after {ignores} s");
+    }
+}
+
+#[test]
 fn a_crossing_is_the_same_wherever_it_lies() {
     let crossing_at = |at: f64, controller: &str, kind: &str, walker: &str| {
         let (other, uses, start) = match at {

@@ -348,11 +348,11 @@ impl Pedestrian for Walker {
     }
 }
 
-/// Whether somebody beside the road has no green. Who is on the road goes on.
+/// Whether somebody beside the road, or kept on a refuge, has no green. Who is on the road goes on.
 fn has_red(scene: &Scene) -> bool {
     let (road, y) = (scene.road, scene.road.across(scene.ego().position));
     let beside = y <= road.kerb(Side::Near) || y >= road.kerb(Side::Far);
-    beside && !scene.pedestrian_priority()
+    (beside || scene.held) && !scene.pedestrian_priority()
 }
 
 impl Walker {
