@@ -108,6 +108,16 @@ impl TrafficSignal {
         }
     }
 
+    /// How long after `time` (s) vehicles next have green, s; 0 while they have it.
+    pub fn until_green(&self, time: f64) -> f64 {
+        let red = self.pedestrian_green + self.clearance;
+        match self.state(time) {
+            SignalState::Green => 0.0,
+            SignalState::Red => red - self.since_green(time),
+            SignalState::Amber => self.cycle - self.since_green(time) + red,
+        }
+    }
+
     /// What drivers see of it at `time` (s).
     pub fn seen(&self, time: f64) -> SeenSignal {
         SeenSignal { state: self.state(time), stop_line: self.stop_line }
@@ -197,6 +207,8 @@ mod tests {
         assert_eq!(states(signal(3.0, 4.0)), full);
         let plain = [Green, Green, Green, Red, Red, Green, Green, Green, Green, Green];
         assert_eq!(states(signal(0.0, 0.0)), plain);
+        let waits = [36.0, 37.0, 39.5, 40.0, 53.0, 54.0].map(|time| signal(3.0, 4.0).until_green(time));
+        assert_eq!(waits, [0.0, 17.0, 14.5, 14.0, 1.0, 0.0]);
     }
 
     #[test]

@@ -6,10 +6,10 @@ use files::Memory;
 use models::standard;
 use results::Requests;
 use runner::plan::plan;
-use runner::run::{FreeFlows, Unwatched, run_case};
+use runner::run::{FreeFlows, Unwatched, road_users, run_case};
 use scenario::registry::Registry;
 use scenario::{Chance, CommandKind, ControllerModel, Declaration, RoadUserKind, Scenario, Shape};
-use sim::{Command, Controller, ControllerError, Observation, Schedule};
+use sim::{Command, Controller, ControllerError, Observation, Observer, Schedule, Snapshot, Step, simulate};
 
 /// A controller that keeps its speed and remembers whom it saw.
 struct Looks(Arc<Mutex<Vec<RoadUserKind>>>);
@@ -154,5 +154,48 @@ fn who_rides_is_written_and_read_back() {
             assert_eq!((&known.walks, &known.appears), (&read.walks, &read.appears), "{written}");
         }
         assert_eq!(scenario.pedestrians.len(), again.pedestrians.len());
+    }
+}
+
+#[test]
+fn a_cyclist_who_yields_waits_at_red_and_brakes_before_it() {
+    let street = |conduct: &str| {
+        let text = format!(
+            "
+scenario street {{
+  road {{ lane_width 3.5 m; speed_limit 50 km/h; crossing signalised {{ cycle: 60 s, pedestrian_green: 20 s, pedestrian_green_from: 15 s }} }}
+  vehicle av {{ controller constant_speed; speed 36 km/h; start 300 m before crossing }}
+  cyclist rider {{ model yielding_cyclist; start 30 m from lane centre; {conduct} signals }}
+  horizon 60 s
+}}"
+        );
+        let plan = plan(&loaded(&text, &standard())).unwrap();
+        let case = plan.trial(0).cases.first();
+        let mut course = Course::default();
+        simulate(&case.world, road_users(&case.world, case.seed).unwrap(), &mut course).unwrap();
+        course
+    };
+    let obeys = street("obeys");
+    let before_green: Vec<_> = obeys.0.iter().filter(|(time, ..)| *time < 15.0).collect();
+    // Kerb at -1.75 m, half a bicycle and 0.5 m before it.
+    let stands = before_green.last().unwrap().1;
+    assert!((-1.75 - 0.945 - 0.9..=-1.75 - 0.945 - 0.5 + 1e-9).contains(&stands), "{stands}");
+    // It brakes as it can, and is not stopped at once by the rule that keeps everybody off the road in red.
+    assert!(obeys.0.windows(2).all(|two| two[0].2 - two[1].2 < 3.4 * 0.025 + 1e-9));
+    assert!(obeys.0.iter().any(|(time, place, _)| *time < 25.0 && *place > 2.0));
+    let ignores = street("ignores");
+    assert!(ignores.0.iter().any(|(time, place, _)| *time < 7.0 && *place > 2.0));
+}
+
+/// Time (s), place across the road (m) and speed (m/s) of the first who rides, after each step.
+#[derive(Default)]
+struct Course(Vec<(f64, f64, f64)>);
+
+impl Observer for Course {
+    fn begin(&mut self, _: &Snapshot) {}
+
+    fn observe(&mut self, step: &Step) {
+        let rider = &step.after.pedestrians[0];
+        self.0.push((step.time + step.duration, rider.position.y, rider.velocity.y));
     }
 }

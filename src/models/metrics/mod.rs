@@ -15,6 +15,7 @@ mod headway;
 mod jerk;
 mod lateral;
 mod proximity;
+mod signal;
 mod sliding;
 #[cfg(test)]
 mod tests;
@@ -42,6 +43,7 @@ pub fn metrics() -> Vec<Metric> {
         jerk::max_jerk(),
         jerk::rms_jerk(),
         lateral::lateral_acceleration(),
+        signal::ran_red(),
         travel::time_lost(),
         travel::travel_time(),
         travel::stopped_time(),

@@ -1,6 +1,6 @@
-//! Models that only know people on foot, or only how to cross a road.
+//! Models that only know people on foot or on bicycles, or only how to cross a road.
 
-use scenario::PedestrianContext;
+use scenario::{PedestrianContext, RoadUserKind};
 use sim::ModelError;
 
 /// Whether the pedestrian is on foot, as the model of this name needs it.
@@ -14,7 +14,27 @@ pub fn check_on_foot(context: &PedestrianContext, model: &str) -> Result<(), Mod
     }
     Err(ModelError::with_hint(
         format!("`{model}` is about people on foot, and this is {}", kind.noun()),
-        "take `scripted` or `timeline`, or let it be a `pedestrian`",
+        match kind {
+            RoadUserKind::Cyclist => {
+                "take `yielding_cyclist`, `scripted` or `timeline`, or let it be a `pedestrian`"
+            }
+            _ => "take `scripted` or `timeline`, or let it be a `pedestrian`",
+        },
+    ))
+}
+
+/// Whether the pedestrian is on a bicycle, as the model of this name needs it.
+///
+/// # Errors
+/// If they walk or ride something else.
+pub fn check_on_bicycle(context: &PedestrianContext, model: &str) -> Result<(), ModelError> {
+    let kind = context.setup.kind;
+    if kind == RoadUserKind::Cyclist {
+        return Ok(());
+    }
+    Err(ModelError::with_hint(
+        format!("`{model}` is about people on bicycles, and this is {}", kind.noun()),
+        "let it be a `cyclist`, or take `scripted` or `timeline`",
     ))
 }
 

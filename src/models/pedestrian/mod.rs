@@ -12,6 +12,7 @@ mod sum;
 #[cfg(test)]
 mod test_walk;
 mod timeline;
+mod yielding_cyclist;
 
 pub use scenario::{PedestrianContext, PedestrianModel};
 
@@ -25,5 +26,6 @@ pub fn models() -> Vec<PedestrianModel> {
         scripted::scripted(),
         social_force::social_force(),
         timeline::timeline(),
+        yielding_cyclist::yielding_cyclist(),
     ]
 }
