@@ -9,39 +9,17 @@ use proptest::prelude::*;
 use results::Requests;
 use runner::plan::plan;
 use runner::run::{FreeFlows, Unwatched, road_users, run_case};
-use scenario::{Suite, World};
+use scenario::World;
 use sim::{Command, Controller, ControllerError, Driver, Observation, Schedule, StopReason, simulate};
 
-fn loaded(text: &str) -> Suite {
-    let files = Memory::default().with("bends.scn", text);
-    let loaded = lang::load("bends.scn".as_ref(), &standard(), &files);
-    loaded.unwrap_or_else(|failure| panic!("{text}\n{:?}", failure.diagnostics)).suite
-}
-
-/// What was measured of a run, by the label of the metric.
-type Measured = Vec<(String, Option<f64>)>;
-
-/// The metrics of the only run of a scenario by their labels, and how and when it ended.
-fn measured(text: &str) -> (Measured, (StopReason, f64)) {
-    let suite = loaded(text);
-    let plan = plan(&suite).unwrap_or_else(|errors| panic!("{text}\n{}", errors[0]));
-    let case = plan.trial(0).cases.first();
-    let requests = Requests::defaults(&standard());
-    let outcome = run_case(&case, &requests, &FreeFlows::default(), &mut Unwatched)
-        .unwrap_or_else(|error| panic!("{text}\n{error}"));
-    let names = requests.iter().map(|request| request.metric.name().to_string());
-    (names.zip(outcome.metrics.iter().copied()).collect(), (outcome.ending.reason, outcome.ending.time))
-}
-
-fn of(found: &[(String, Option<f64>)], name: &str) -> Option<f64> {
-    found.iter().find(|(known, _)| known == name).expect("it is a metric").1
-}
+use crate::support::text::{loaded, measured, of};
 
 fn assert_alike(one: &str, other: &str, tolerance: f64) -> usize {
-    let ((found, end), (expected, ends)) = (measured(other), measured(one));
+    let (found, expected) = (measured(other), measured(one));
+    let (end, ends) = (found.ending, expected.ending);
     assert_eq!(end.0, ends.0, "{other}");
     assert!((end.1 - ends.1).abs() < 1e-6, "{end:?}, not {ends:?}\n{other}");
-    for ((name, found), (_, expected)) in found.iter().zip(&expected) {
+    for ((name, found), (_, expected)) in found.values.iter().zip(&expected.values) {
         match (found, expected) {
             (Some(found), Some(expected)) => {
                 let apart = (found - expected).abs();
@@ -53,7 +31,7 @@ fn assert_alike(one: &str, other: &str, tolerance: f64) -> usize {
             (found, expected) => assert_eq!(found, expected, "{name}\n{other}"),
         }
     }
-    expected.iter().filter(|(_, value)| value.is_some()).count()
+    expected.values.iter().filter(|(_, value)| value.is_some()).count()
 }
 
 /// How the same straight road may be said: with this before its other statements, and the crossing at.
@@ -121,14 +99,14 @@ fn boxes_beside_a_bend_hide_and_are_hit() {
         )
     };
     let row = "parked_row vans { to: -1.5 m, cars: 3, gap: 1 m, across: 6.1 m, length: 4.5 m, width: 1.6 m }";
-    let (open, _) = measured(&with("", "sees { range: 60 m }", 0));
-    let (hidden, _) = measured(&with(row, "sees { range: 60 m }", 0));
+    let open = measured(&with("", "sees { range: 60 m }", 0)).values;
+    let hidden = measured(&with(row, "sees { range: 60 m }", 0)).values;
     assert_ne!(hidden, open, "who comes from behind the row is seen later");
     // Where it blocks nothing it changes nothing: the row is turned with the road, or its cars would stand in the lane.
-    assert_eq!(measured(&with(row, "", 0)).0, measured(&with("", "", 0)).0);
+    assert_eq!(measured(&with(row, "", 0)).values, measured(&with("", "", 0)).values);
     assert_eq!(
-        measured(&with("bus outside { along: 5 m, across: -3.1 m }", "", 1)).0,
-        measured(&with("", "", 1)).0
+        measured(&with("bus outside { along: 5 m, across: -3.1 m }", "", 1)).values,
+        measured(&with("", "", 1)).values
     );
 }
 
@@ -165,7 +143,7 @@ fn a_right_turn_is_run_as_the_mirror_image_of_a_left_one() {
             for inside in [true, false] {
                 let (left, right) = (turn(true, inside, car, person), turn(false, inside, car, person));
                 values += assert_alike(&left, &right, 1e-7);
-                hits += usize::from(of(&measured(&left).0, "collision") == Some(1.0));
+                hits += usize::from(of(&left, "collision") == Some(1.0));
             }
         }
     }
@@ -204,12 +182,12 @@ scenario meets {{
   }}
   end on collision
 }}", 200.0 + radius, if far { "far" } else { "near" }, turned.abs(), if turned < 0.0 { "right" } else { "left" }, reference.abs());
-        let (found, _) = measured(&text);
+        let found = measured(&text);
         // A dummy that is slow against a car that turns into it is touched by a flank before.
-        if let Some(point) = of(&found, "impact_point") {
+        if let Some(point) = found.of("impact_point") {
             prop_assert!((point - share).abs() < 1e-3, "{point} instead of {share}\n{text}");
         } else {
-            prop_assert!(of(&found, "collision") == Some(1.0) && !(0.2..0.8).contains(&share), "{found:?}\n{text}");
+            prop_assert!(found.of("collision") == Some(1.0) && !(0.2..0.8).contains(&share), "{found:?}\n{text}");
         }
     }
 
@@ -279,11 +257,12 @@ scenario hairpin {
   pedestrian walker { model scripted { speed: 1 m/s }; from far side; start 16 m from lane centre }
   finish 0 m
 }";
-    let (found, (reason, time)) = measured(text);
+    let found = measured(text);
+    let (reason, time) = found.ending;
     // The car is past after 4 s; who walks needs 17.75 s to the far edge of the lane.
     assert_eq!(reason, StopReason::Completed);
     assert!((time - 17.75).abs() < 0.1, "{time} s");
-    assert_eq!(of(&found, "collision"), Some(0.0));
+    assert_eq!(found.of("collision"), Some(0.0));
 }
 
 #[test]
@@ -298,12 +277,15 @@ fn a_car_that_never_comes_and_people_who_never_cross_end_at_the_horizon() {
 }}"
         )
     };
-    let (found, (reason, _)) = measured(&text("0 km/h", ""));
-    assert_eq!((reason, of(&found, "min_distance"), of(&found, "pet")), (StopReason::Horizon, None, None));
+    let found = measured(&text("0 km/h", ""));
+    assert_eq!(
+        (found.ending.0, found.of("min_distance"), found.of("pet")),
+        (StopReason::Horizon, None, None)
+    );
     // Whose goal is in the lane is never across.
-    let (found, (reason, _)) = measured(&text("20 km/h", "goal -2 m beyond kerb"));
-    assert_eq!((reason, of(&found, "crossing_duration")), (StopReason::Horizon, None));
-    assert!(of(&found, "min_distance").is_some());
+    let found = measured(&text("20 km/h", "goal -2 m beyond kerb"));
+    assert_eq!((found.ending.0, found.of("crossing_duration")), (StopReason::Horizon, None));
+    assert!(found.of("min_distance").is_some());
 }
 
 #[test]
@@ -489,7 +471,8 @@ fn a_car_that_follows_by_its_rear_axle_swings_its_front_out_of_the_bend() {
     assert_alike(&text("", "", ""), &text(axle, "path { straight 300 m }", "at: 200.5 m"), 1e-9);
     // In a left bend somebody who comes from the outside is nearer to the front that swings out.
     let bend = "path { straight 60 m; turn left { radius: 9 m, clothoid: 20.62 deg, arc: 48.76 deg }; straight 80 m }";
-    let (centre, rear) = (measured(&text("", bend, "at: 70 m")).0, measured(&text(axle, bend, "at: 70 m")).0);
+    let (centre, rear) =
+        (measured(&text("", bend, "at: 70 m")).values, measured(&text(axle, bend, "at: 70 m")).values);
     assert_ne!(centre, rear);
     let setup = |text: &str| plan(&loaded(text)).unwrap().trial(0).cases.first().world.clone();
     let world = setup(&text(axle, bend, "at: 70 m"));

@@ -1,26 +1,14 @@
 //! Roads that are steep or slippery, from their text to what is measured: way and speed of a stop by closed form, whoever stands is held,
 //! up one way is down the other, and what no vehicle needs changes no bit.
 
-use files::Memory;
-use models::standard;
 use proptest::prelude::*;
-use results::Requests;
 use runner::plan::plan;
-use runner::run::{FreeFlows, Unwatched, road_users, run_case};
-use scenario::{Case, Suite};
+use runner::run::road_users;
 use sim::{Longitudinal, Observer, Snapshot, Step, simulate};
 
+use crate::support::text::{case, loaded, measured, of};
+
 const G: f64 = 9.80665;
-
-fn loaded(text: &str) -> Suite {
-    let files = Memory::default().with("ground.scn", text);
-    let loaded = lang::load("ground.scn".as_ref(), &standard(), &files);
-    loaded.unwrap_or_else(|failure| panic!("{text}\n{:?}", failure.diagnostics)).suite
-}
-
-fn case(text: &str) -> Case {
-    plan(&loaded(text)).unwrap_or_else(|errors| panic!("{text}\n{}", errors[0])).trial(0).cases.first()
-}
 
 /// The road of these tests, on such ground, and who is on it.
 fn street(ground: &str, users: &str) -> String {
@@ -53,19 +41,6 @@ fn moves(text: &str) -> Vec<Vec<Longitudinal>> {
     let users = road_users(&world, case.seed).unwrap();
     simulate(&world, users, &mut moves).unwrap();
     moves.0
-}
-
-/// What was measured of a run by the label of the metric, and all its bits.
-fn measured(text: &str) -> (Vec<(String, Option<f64>)>, u64) {
-    let requests = Requests::defaults(&standard());
-    let outcome = run_case(&case(text), &requests, &FreeFlows::default(), &mut Unwatched)
-        .unwrap_or_else(|error| panic!("{text}\n{error}"));
-    let names = requests.iter().map(|request| request.metric.name().to_string());
-    (names.zip(outcome.metrics.iter().copied()).collect(), outcome.fingerprint)
-}
-
-fn of(text: &str, name: &str) -> Option<f64> {
-    measured(text).0.iter().find(|(known, _)| known == name).expect("it is a metric").1
 }
 
 /// A pedestrian who is in nobody's way.
@@ -307,7 +282,7 @@ proptest! {
         // And one that is needed does.
         let short = (needs / G * 0.8).max(0.05);
         if short * G < needs {
-            prop_assert_ne!(&measured(&text(&format!("friction {short}"))).1, &plain.1);
+            prop_assert_ne!(&measured(&text(&format!("friction {short}"))).fingerprint, &plain.fingerprint);
         }
     }
 }

@@ -1,16 +1,8 @@
 //! Who is to meet a vehicle is hit where the scenario says, whatever the step, the sides, the speeds and the starts are.
 
-use files::Memory;
-use models::standard;
 use proptest::prelude::*;
-use results::Requests;
-use runner::plan::plan;
-use runner::run::{FreeFlows, Unwatched, run_case};
 
-/// The value of a metric in the only run of a scenario.
-fn measured(text: &str, metric: &str) -> Option<f64> {
-    measure(text)(metric)
-}
+use crate::support::text::{measured, of};
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
@@ -58,7 +50,7 @@ scenario meets {{
   step {step} s
   end on collision
 }}", reference.abs(), share);
-        let point = measured(&text, "impact_point").expect("it is hit at the front");
+        let point = of(&text, "impact_point").expect("it is hit at the front");
         prop_assert!((point - share).abs() < 1e-3, "{point} instead of {share}\n{text}");
     }
 }
@@ -101,33 +93,17 @@ scenario meets {{
   step {step} s
   end on collision
 }}", reference.abs());
-        let found = measure(&text);
-        let point = found("impact_point").expect("it is hit at the front");
+        let found = measured(&text);
+        let point = found.of("impact_point").expect("it is hit at the front");
         prop_assert!((point - share).abs() < 1e-9, "{point} instead of {share}\n{text}");
         // `with` and `against` are about the lane of the dummy's own side.
         let comes_towards = against != (usize::from(far) != lane);
         let closing = if comes_towards { speed + pace } else { speed - pace };
-        let hit = found("impact_speed").expect("it is hit");
+        let hit = found.of("impact_speed").expect("it is hit");
         prop_assert!((hit - closing).abs() < 1e-9, "{hit} instead of {closing}\n{text}");
         let walked = (after + accelerates.unwrap_or(0.0)) / pace;
-        let time = found("time").unwrap();
+        let time = found.ending.1;
         prop_assert!((time - walked).abs() < 1e-6, "{time} s instead of {walked} s\n{text}");
-    }
-}
-
-/// Everything in the run of a scenario by the names of metrics, and when it ended.
-fn measure(text: &str) -> impl Fn(&str) -> Option<f64> + use<> {
-    let files = Memory::default().with("meets.scn", text);
-    let loaded = lang::load("meets.scn".as_ref(), &standard(), &files);
-    let suite = loaded.unwrap_or_else(|failure| panic!("{text}\n{:?}", failure.diagnostics)).suite;
-    let plan = plan(&suite).unwrap_or_else(|errors| panic!("{text}\n{}", errors[0]));
-    let trial = plan.trial(0);
-    let requests = Requests::defaults(&standard());
-    let outcome = run_case(&trial.cases.first(), &requests, &FreeFlows::default(), &mut Unwatched).unwrap();
-    let names: Vec<String> = requests.iter().map(|request| request.metric.name().to_string()).collect();
-    move |metric: &str| match metric {
-        "time" => Some(outcome.ending.time),
-        _ => outcome.metrics[names.iter().position(|name| name == metric).expect("it is a metric")],
     }
 }
 
@@ -135,7 +111,7 @@ fn measure(text: &str) -> impl Fn(&str) -> Option<f64> + use<> {
 #[test]
 fn who_walks_along_a_lane_passes_nothing_of_it() {
     let found = |along: &str, controller: &str| {
-        measure(&format!(
+        measured(&format!(
             "
 scenario follows {{
   road {{ lanes forward, backward; lane_width 3.5 m; speed_limit 50 km/h; crossing unmarked }}
@@ -155,22 +131,22 @@ scenario follows {{
     ] {
         let found = found(along, controller);
         for metric in crossing {
-            assert_eq!(found(metric), None, "{metric}, {along}");
+            assert_eq!(found.of(metric), None, "{metric}, {along}");
         }
-        assert_eq!(found("passed_first"), Some(0.0), "{along}");
-        assert_eq!(found("collision"), Some(0.0), "{along}");
-        assert!(found("min_distance").unwrap() > 0.0);
+        assert_eq!(found.of("passed_first"), Some(0.0), "{along}");
+        assert_eq!(found.of("collision"), Some(0.0), "{along}");
+        assert!(found.of("min_distance").unwrap() > 0.0);
         for metric in ["time_headway", "min_ttc", "drac"] {
-            assert_eq!(found(metric).is_some(), follows, "{metric}, {along}");
+            assert_eq!(found.of(metric).is_some(), follows, "{metric}, {along}");
         }
     }
     let hit = found("start 0.45 m from lane centre", "constant_speed");
-    assert_eq!((hit("collision"), hit("min_ttc")), (Some(1.0), Some(0.0)));
-    assert!(hit("time_headway").is_some_and(|headway| headway < 1e-3));
-    assert!((hit("impact_point").unwrap() - 0.25).abs() < 1e-9);
-    assert!((hit("impact_speed").unwrap() - (30.0 / 3.6 - 1.4)).abs() < 1e-9);
+    assert_eq!((hit.of("collision"), hit.of("min_ttc")), (Some(1.0), Some(0.0)));
+    assert!(hit.of("time_headway").is_some_and(|headway| headway < 1e-3));
+    assert!((hit.of("impact_point").unwrap() - 0.25).abs() < 1e-9);
+    assert!((hit.of("impact_speed").unwrap() - (30.0 / 3.6 - 1.4)).abs() < 1e-9);
     // A collision is one, whatever else there is to pass.
-    assert_eq!((hit("pet"), hit("gap_accepted")), (Some(0.0), Some(0.0)));
+    assert_eq!((hit.of("pet"), hit.of("gap_accepted")), (Some(0.0), Some(0.0)));
 }
 
 #[test]
@@ -181,7 +157,7 @@ scenario walks_into_it {
   vehicle av { controller constant_speed; speed 20 km/h; size 4.4 m x 1.8 m }
   pedestrian walker { model scripted { speed: 1.4 m/s }; start 4 m from lane centre; appears when time_to_arrival(av.front) = 2.1 s }
 }";
-    assert_eq!(measured(text, "collision"), Some(1.0));
-    assert_eq!(measured(text, "impact_point"), None);
-    assert!(measured(text, "impact_speed").is_some_and(|speed| speed > 1.4));
+    assert_eq!(of(text, "collision"), Some(1.0));
+    assert_eq!(of(text, "impact_point"), None);
+    assert!(of(text, "impact_speed").is_some_and(|speed| speed > 1.4));
 }

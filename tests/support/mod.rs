@@ -4,4 +4,5 @@
 pub mod counting;
 pub mod program;
 pub mod street;
+pub mod text;
 pub mod zebra;

@@ -7,7 +7,7 @@ use runner::run::road_users;
 use scenario::population::Population;
 use scenario::{
     Appearance, ControllerModel, Direction, DynamicsModel, ModelSetup, PedestrianModel, PedestrianSetup,
-    Position, Road, Settings, Shape, Side, VehicleSetup, VehicleStart, World,
+    Position, Road, RoadUserKind, Settings, Shape, Side, VehicleSetup, VehicleStart, World,
 };
 use sim::{
     Command, Controller, ControllerError, Driver, Observation, Observer, RoadUsers, Schedule, Solid, Step,
@@ -63,8 +63,9 @@ pub fn model(name: &str, settings: &Settings) -> ModelSetup<PedestrianModel> {
 
 /// A pedestrian at x = 0 who walks from one y to another.
 pub fn walker(name: &str, model: ModelSetup<PedestrianModel>, from: f64, to: f64) -> PedestrianSetup {
+    let rides = model.model.name() == "yielding_cyclist";
     PedestrianSetup {
-        kind: Default::default(),
+        kind: if rides { RoadUserKind::Cyclist } else { RoadUserKind::Pedestrian },
         name: name.into(),
         model,
         shape: Shape::Rectangle { length: 0.8, width: 0.8 },
