@@ -1,4 +1,5 @@
-//! What a bend costs: one run with every metric on a straight road, on the same road made of a line, and in a turn of Euro NCAP.
+//! What a bend costs: one run with every metric on a straight road, on the same road made of a line, and in a turn of Euro NCAP; with
+//! somebody who walks by a script, which costs next to nothing, and with one who looks and decides.
 
 use std::sync::Arc;
 
@@ -16,30 +17,32 @@ fn main() {
     divan::main();
 }
 
-const CONTROLLERS: [&str; 2] = ["constant_speed", "yielding"];
+/// Who drives and who walks.
+const WHO: [(&str, &str); 3] =
+    [("constant_speed", "scripted"), ("yielding", "scripted"), ("yielding", "commotions")];
 
-#[divan::bench(args = CONTROLLERS)]
-fn straight(bencher: Bencher, controller: &str) {
-    run(bencher, world(controller));
+#[divan::bench(args = WHO)]
+fn straight(bencher: Bencher, who: (&str, &str)) {
+    run(bencher, world(who));
 }
 
-#[divan::bench(args = CONTROLLERS)]
-fn made_of_a_line(bencher: Bencher, controller: &str) {
+#[divan::bench(args = WHO)]
+fn made_of_a_line(bencher: Bencher, who: (&str, &str)) {
     let line = ReferenceLine::new(Pose::origin(), &[Piece::line(100.0)]).unwrap();
-    run(bencher, on(world(controller), line, 60.0));
+    run(bencher, on(world(who), line, 60.0));
 }
 
-#[divan::bench(args = CONTROLLERS)]
-fn turning(bencher: Bencher, controller: &str) {
+#[divan::bench(args = WHO)]
+fn turning(bencher: Bencher, who: (&str, &str)) {
     let [one, arc, other] = Piece::turn(1500.0, 9.0, 0.36, 0.85);
     let pieces = [Piece::line(30.0), one, arc, other, Piece::line(40.0)];
     let line = ReferenceLine::new(Pose::origin(), &pieces).unwrap();
     let crossing = 30.0 + one.length + arc.length / 2.0;
-    run(bencher, on(world(controller), line, crossing));
+    run(bencher, on(world(who), line, crossing));
 }
 
 /// A car that comes at 5 m/s from 30 m away, and somebody who crosses before it.
-fn world(controller: &str) -> World {
+fn world((controller, walker): (&str, &str)) -> World {
     let registry = standard();
     let mut world = fixture::world();
     let entry = registry.controllers().get(controller).unwrap();
@@ -49,8 +52,8 @@ fn world(controller: &str) -> World {
     let dynamics = registry.dynamics().get(dynamics).unwrap();
     car.dynamics = ModelSetup::resolved(dynamics, &Settings::default()).unwrap();
     (car.start, car.speed) = (VehicleStart::Distance(30.0), 5.0);
-    let scripted = registry.pedestrians().get("scripted").unwrap();
-    world.pedestrians[0].model = ModelSetup::resolved(scripted, &Settings::default()).unwrap();
+    let walker = registry.pedestrians().get(walker).unwrap();
+    world.pedestrians[0].model = ModelSetup::resolved(walker, &Settings::default()).unwrap();
     world
 }
 
