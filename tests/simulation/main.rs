@@ -13,6 +13,7 @@ mod ground;
 mod hiding;
 mod jaywalker;
 mod keeping_clear;
+mod left_hand;
 mod meetings;
 mod numerics;
 mod refuges;
