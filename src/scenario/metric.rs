@@ -100,6 +100,8 @@ pub enum Absence {
 pub enum MetricRange {
     /// A time within the run: 0 up to where it ends.
     WithinRun,
+    /// The same, up to what this parameter says, if it says anything.
+    WithinRunUpTo(Text),
     /// 0 up to what this parameter says.
     UpTo(Text),
     /// A difference of two speeds: 0 up to twice the fastest.
@@ -136,6 +138,9 @@ impl MetricRange {
     pub fn in_words(&self) -> Option<String> {
         match self {
             Self::WithinRun => Some("0 s to the horizon of the scenario".to_string()),
+            Self::WithinRunUpTo(parameter) => {
+                Some(format!("0 s to the horizon of the scenario, or to `{parameter}`"))
+            }
             Self::UpTo(parameter) => Some(format!("0 to `{parameter}`")),
             Self::TwoSpeeds => Some(format!("0 m/s to {} m/s", 2.0 * FASTEST)),
             Self::DropWithin { window, floor } => {
@@ -161,6 +166,9 @@ impl Metric {
         let settings = self.declaration.resolve(given).ok()?;
         let high = match &self.range {
             MetricRange::WithinRun => longest,
+            MetricRange::WithinRunUpTo(parameter) => {
+                settings.optional_number(parameter).map_or(longest, |most| most.min(longest))
+            }
             MetricRange::UpTo(parameter) => settings.number(parameter),
             MetricRange::TwoSpeeds => 2.0 * FASTEST,
             MetricRange::DropWithin { window, floor } => hardest(&settings, window, floor),

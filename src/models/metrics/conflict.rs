@@ -21,6 +21,19 @@ fn zero_on_collision_parameter() -> Parameter {
     )
 }
 
+/// The parameter that says how large a time may count.
+const AT_MOST: &str = "at_most";
+
+fn at_most_parameter() -> Parameter {
+    Parameter::optional(
+        AT_MOST,
+        Dimension::TIME,
+        (0.1, 600.0),
+        "Larger times count as this one; without it, each as what it is.",
+        "times beyond a few seconds say nothing of safety; a mean over them would be about nothing else",
+    )
+}
+
 pub fn pet() -> Metric {
     let declaration = Declaration::new(
         "pet",
@@ -29,16 +42,20 @@ pub fn pet() -> Metric {
          if one of them never passes.",
     )
     .source("|t_ped - t_veh| by centres; Peesapati et al. 2018")
-    .parameters([zero_on_collision_parameter()]);
+    .parameters([zero_on_collision_parameter(), at_most_parameter()]);
     Metric {
         declaration,
         kind: MetricKind::Quantity(Dimension::TIME),
         scope: Scope::Pair,
         worst: Worst::Smallest,
         absence: Absence::Open,
-        range: MetricRange::WithinRun,
+        range: MetricRange::WithinRunUpTo(AT_MOST.into()),
         meters: meters(|context| {
-            Box::new(Pet { pair: pair(context), zero_on_collision: zero_on_collision(context) })
+            Box::new(Pet {
+                pair: pair(context),
+                zero_on_collision: zero_on_collision(context),
+                at_most: at_most(context),
+            })
         }),
     }
 }
@@ -46,6 +63,8 @@ pub fn pet() -> Metric {
 struct Pet {
     pair: (usize, usize),
     zero_on_collision: bool,
+    /// s; infinite where nothing is said.
+    at_most: f64,
 }
 
 impl Pet {
@@ -65,7 +84,7 @@ impl Pet {
 
 impl Meter for Pet {
     fn value(&self, encounters: &Encounters) -> Option<f64> {
-        self.closest(encounters).map(|(time, _)| time)
+        self.closest(encounters).map(|(time, _)| time.min(self.at_most))
     }
 
     fn open(&self, encounters: &Encounters, end: &End) -> Option<Open> {
@@ -84,7 +103,7 @@ impl Meter for Pet {
                 Reached::BeforeStart => return None,
             },
         };
-        still_open(encounter, low, self.value(encounters))
+        still_open(encounter, low, self.value(encounters), self.at_most)
     }
 
     fn instant(&self, encounters: &Encounters) -> Option<f64> {
@@ -97,11 +116,12 @@ fn here((vehicle, pedestrian): (usize, usize), end: &End) -> f64 {
     end.state.vehicles[vehicle].path.along(end.state.pedestrians[pedestrian].position)
 }
 
-/// A time between two of which one has yet to come, at least `low`, unless a smaller one was seen or they have met.
-fn still_open(encounter: &Encounter, low: f64, value: Option<f64>) -> Option<Open> {
+/// A time between two of which one has yet to come, at least `low` and counted as no more than `at_most` (s), unless a smaller one was
+/// seen or they have met.
+fn still_open(encounter: &Encounter, low: f64, value: Option<f64>, at_most: f64) -> Option<Open> {
     let high = value.unwrap_or(f64::INFINITY);
     let open = encounter.crosses && encounter.appeared.is_some() && encounter.contact.is_none() && low < high;
-    open.then_some(Open { low, high })
+    open.then_some(Open { low: low.min(at_most), high: high.min(at_most) })
 }
 
 /// The first of the smaller values.
@@ -121,18 +141,23 @@ pub fn pet_area() -> Metric {
          the vehicle sweeps, as far along the road as the pedestrian's footprint \
          reaches while in it; every visit counts, the smallest time wins",
     )
-    .parameters([zero_on_collision_parameter()]);
+    .parameters([zero_on_collision_parameter(), at_most_parameter()]);
     Metric {
         declaration,
         kind: MetricKind::Quantity(Dimension::TIME),
         scope: Scope::Pair,
         worst: Worst::Smallest,
         absence: Absence::Open,
-        range: MetricRange::WithinRun,
+        range: MetricRange::WithinRunUpTo(AT_MOST.into()),
         meters: meters(|context| {
             let half_length = context.world.vehicles[context.vehicle].length / 2.0;
             let zero_on_collision = zero_on_collision(context);
-            Box::new(PetArea { pair: pair(context), half_length, zero_on_collision })
+            Box::new(PetArea {
+                pair: pair(context),
+                half_length,
+                zero_on_collision,
+                at_most: at_most(context),
+            })
         }),
     }
 }
@@ -141,6 +166,8 @@ struct PetArea {
     pair: (usize, usize),
     half_length: f64,
     zero_on_collision: bool,
+    /// s; infinite where nothing is said.
+    at_most: f64,
 }
 
 impl PetArea {
@@ -164,7 +191,7 @@ impl PetArea {
 
 impl Meter for PetArea {
     fn value(&self, encounters: &Encounters) -> Option<f64> {
-        self.closest(encounters).map(|(time, _)| time)
+        self.closest(encounters).map(|(time, _)| time.min(self.at_most))
     }
 
     fn open(&self, encounters: &Encounters, end: &End) -> Option<Open> {
@@ -182,7 +209,7 @@ impl Meter for PetArea {
                 Reached::BeforeStart => return None,
             },
         };
-        still_open(encounter, low, self.value(encounters))
+        still_open(encounter, low, self.value(encounters), self.at_most)
     }
 
     fn instant(&self, encounters: &Encounters) -> Option<f64> {
@@ -375,4 +402,8 @@ fn pair(context: &MetricContext) -> (usize, usize) {
 
 fn zero_on_collision(context: &MetricContext) -> bool {
     context.settings.flag("zero_on_collision")
+}
+
+fn at_most(context: &MetricContext) -> f64 {
+    context.settings.optional_number(AT_MOST).unwrap_or(f64::INFINITY)
 }

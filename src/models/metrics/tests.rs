@@ -217,6 +217,36 @@ fn collision_inside_a_step() {
     }
 }
 
+/// A car that passes the conflict point at 5 s, and a pedestrian who does so later or never.
+#[test]
+fn times_beyond_what_counts_are_that() {
+    let world = world(0.025, 12.0);
+    let passes = |time: f64| Walk(vec![(0.0, 0.0, -4.0), (time - 4.0, 0.0, -4.0), (time + 4.0, 0.0, 4.0)]);
+    let found = |name: &str, most: f64, walk: &Walk| {
+        let requests = [request(name, []), request(name, [("at_most", Value::Number(most))])];
+        let readings = measure(&world, &requests, &straight(-50.0), walk);
+        readings.iter().map(|found| found.worst.and_then(|worst| worst.value)).collect::<Vec<_>>()
+    };
+    for name in ["pet", "pet_area"] {
+        let plain = found(name, 100.0, &passes(9.0))[0].unwrap();
+        assert!(plain > 2.0, "{name} {plain}");
+        assert_eq!(found(name, 100.0, &passes(9.0)), [Some(plain); 2]);
+        assert_eq!(found(name, 2.0, &passes(9.0)), [Some(plain), Some(2.0)]);
+        // What is less stays, and what does not exist does not come to be.
+        let near = found(name, 3.0, &passes(6.5));
+        assert!(near[0] == near[1] && near[0].unwrap() < 3.0, "{name} {near:?}");
+        assert_eq!(found(name, 3.0, &Walk(vec![(0.0, 0.0, -4.0), (12.0, 0.0, -4.0)])), [None, None]);
+    }
+    // Cut off before anybody passes the second time, it is open up to what counts.
+    let requests = [request("pet", [("at_most", Value::Number(3.0))])];
+    let open =
+        |world: &scenario::World, walk: &Walk| measure(world, &requests, &straight(-50.0), walk)[0].open;
+    let short = super::fixture::world(0.025, 6.0);
+    let found = open(&short, &passes(9.0)).unwrap();
+    assert!((found.low - 1.0).abs() < 1e-9 && found.high == 3.0, "{found:?}");
+    assert_eq!(open(&super::fixture::world(0.025, 8.5), &passes(9.0)), Some(Open { low: 3.0, high: 3.0 }));
+}
+
 #[test]
 fn whoever_walks_along_the_lane_is_followed_at_a_headway() {
     // Brakes from 10 m/s at 2 m/s^2 behind somebody who walks at 1 m/s: (40.75 - 9 t + t^2)/(10 - 2 t) is smallest at t = 0.4448 s.

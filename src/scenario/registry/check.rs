@@ -148,6 +148,17 @@ pub fn metric(metric: &Metric) -> Result<(), RegistryError> {
         MetricRange::UpTo(parameter) => vec![parameter],
         MetricRange::DropWithin { window, floor } => vec![window, floor],
         MetricRange::DropAbove { threshold, window, floor } => vec![threshold, window, floor],
+        // It need not be given.
+        MetricRange::WithinRunUpTo(parameter) => {
+            let is_number = metric
+                .declaration
+                .parameter(parameter)
+                .is_some_and(|parameter| matches!(parameter.kind, ParameterKind::Number { .. }));
+            if !is_number {
+                return Err(bad(format!("its range names `{parameter}`, which is no number")));
+            }
+            Vec::new()
+        }
         MetricRange::WithinRun
         | MetricRange::TwoSpeeds
         | MetricRange::YesOrNo

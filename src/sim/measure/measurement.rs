@@ -174,7 +174,9 @@ impl Request {
         };
         let all = ranges
             .reduce(|one, other| Open { low: worse(one.low, other.low), high: worse(one.high, other.high) });
-        all.filter(|all| subjects.iter().any(|one| one.open.is_some()) && all.low < all.high)
+        // Of nobody's value nothing is decided, even where only one is left that it may come to.
+        let no_value = subjects.iter().all(|one| one.value.is_none());
+        all.filter(|all| subjects.iter().any(|one| one.open.is_some()) && (all.low < all.high || no_value))
     }
 }
 
