@@ -70,6 +70,8 @@ fn observation(pedestrians: usize) -> Observation {
             width: 1.896,
             travelled: -60.0,
             curvature: 0.0,
+            lateral_offset: 0.0,
+            heading_error: 0.0,
         },
         cruise_speed: CRUISE,
         road: RoadView {

@@ -74,6 +74,7 @@ fn state(k: usize) -> Snapshot {
             path: Path::straight(0.0, Direction::Forward),
             length: 4.5,
             width: 2.0,
+            steered: None,
         }],
         pedestrians: vec![PedestrianState {
             position: Vector2::new(0.0, -4.0 + 1.4 * (time - 3.0).max(0.0)),

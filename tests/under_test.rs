@@ -165,6 +165,24 @@ fn everything_that_may_be_given_drives() -> Outcome {
     Ok(())
 }
 
+fn who_steers_does_so_through_every_wire() -> Outcome {
+    for gives in ["acceleration", "pedals", "speed_plan"] {
+        let more = format!("gives {gives}; period 70 ms; delay 110 ms; settles within 1 s");
+        let found = |words: &str| fingerprints(&many(&format!("gives={gives} {words}"), &more), &[]);
+        let (straight, json) = (found("")?, found("kind=steers")?);
+        let rows = found("kind=steers encoding=f64 at_once=7")?;
+        expect(json == rows, || format!("{gives}: {json:#?} {rows:#?}"))?;
+        let differ = json.iter().zip(&straight).all(|(one, other)| one.0 == other.0 && one.1 != other.1);
+        expect(differ, || format!("{gives}: nobody steers in {json:#?}"))?;
+    }
+    for encoding in ["json", "f64"] {
+        let folder = in_folder(&scenario(&format!("kind=steers_sharply encoding={encoding}"), ""));
+        let said = run(folder.path(), &["meet.scn", "--allow-run", "--no-progress"]);
+        expect_all(&said, 100, &["a curvature of 10.5 1/m, outside -10 .. 10 1/m"])?;
+    }
+    Ok(())
+}
+
 fn two_vehicles_and_perception() -> Outcome {
     let two = |words: &str| {
         many(words, "").replace("  pedestrian walker", "  vehicle other { controller own; speed 20 km/h; start 60 m before crossing; sees { range: 40 m, position_noise: 0.2 m } }\n  pedestrian walker")
@@ -671,6 +689,7 @@ fn main() -> ExitCode {
     let mut trials = tests![
         every_wire_and_batch_gives_the_same_bits,
         everything_that_may_be_given_drives,
+        who_steers_does_so_through_every_wire,
         two_vehicles_and_perception,
         what_floods_its_log_and_prints_first_runs,
         what_stops_reading_is_a_timeout,

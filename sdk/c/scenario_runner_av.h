@@ -23,11 +23,13 @@ typedef struct { double distance, curvature; } sr_change;
 
 /* The scene of one decision; `time` in s, negative before the run begins; `signal` is 1 where vehicles have green, `amber` where they
  * have amber, and `stop_line` how far before the edge of the crossing they stop, all NAN without a signal. `travelled` is along
- * the lane from the middle of the crossing, `gradient` NAN on a road that says none. From `curvature` on the lane bends evenly from each
+ * the lane from the middle of the crossing, `gradient` NAN on a road that says none; `lateral_offset` and `heading_error` (rad) are to
+ * the left of the lane, 0 where nobody has steered. From `curvature` on the lane bends evenly from each
  * `change` to the next, and not at all behind the last, for 150 m; two at one distance are a jump. */
 typedef struct {
     double time, is_new, cruise_speed, distance_to_crossing, speed, acceleration, length, width, lane_width, speed_limit,
-        crossing_width, pedestrian_priority, signal, right_kerb, left_kerb, travelled, curvature, gradient, amber, stop_line;
+        crossing_width, pedestrian_priority, signal, right_kerb, left_kerb, travelled, curvature, gradient, amber, stop_line,
+        lateral_offset, heading_error;
     int pedestrians, vehicles, changes;
     const sr_other *pedestrian, *vehicle;
     const sr_change *change;
@@ -45,6 +47,8 @@ typedef struct {
     const char *(*start)(const sr_run *run);                                            /* NULL, or why it cannot */
     const char *(*step)(int slot, const sr_seen *seen, double *answer, double *mode);   /* the same; mode is an index */
     void (*finish)(int slot, const char *reason);
+    double (*curvature)(int slot); /* of the way that the rear axle is to take, asked after each step: 1/m, to the left, NAN to keep
+                                      the lane; NULL for who never steers */
 } sr_controller;
 
 #define SR_NUMBER(name, unit, value, low, high) \
@@ -177,7 +181,7 @@ static inline void sr_open(const sr_controller *own, const char *open, sr_buffer
 static inline int sr_serve(const sr_controller *own, int argc, char **argv) {
     FILE *in = fdopen(dup(0), "rb"), *out = fdopen(dup(1), "wb");
     sr_buffer request = {0, 0, 0}, answer = {0, 0, 0}, others = {0, 0, 0}, bends = {0, 0, 0}, errors = {0, 0, 0};
-    int places[41], widths[4], at_once = own->runs_at_once;
+    int places[43], widths[4], at_once = own->runs_at_once;
     uint32_t width = !strcmp(own->gives, "pedals") ? 2 : !strcmp(own->gives, "speed_plan") ? 32 : 1;
     if (!in || !out || !freopen("/dev/null", "r", stdin) || dup2(2, 1) < 0) return 1;
     for (int index = 1; index < argc; index++)
@@ -191,18 +195,21 @@ static inline int sr_serve(const sr_controller *own, int argc, char **argv) {
                            "slot time new cruise_speed distance_to_crossing speed acceleration length width lane_width speed_limit "
                            "crossing_width pedestrian_priority signal right_kerb left_kerb", places);
     /* Those of lanes, which are asked for, go on behind. */
-    int lanes = sr_columns(sr_get(request.bytes, "hello"), "lanes", "travelled curvature gradient amber stop_line", places + 16);
-    for (int index = 16; index < 21; index++) if (places[index] >= 0) places[index] += widths[0];
+    int lanes = sr_columns(sr_get(request.bytes, "hello"), "lanes", 
+                           "travelled curvature gradient amber stop_line lateral_offset heading_error", places + 16);
+    if (own->curvature && places[21] < 0) return fputs("this runner takes no curvature\n", stderr), 1;
+    uint32_t columns = width + 1 + (own->curvature != NULL);
+    for (int index = 16; index < 23; index++) if (places[index] >= 0) places[index] += widths[0];
     widths[0] += lanes;
-    widths[1] = sr_columns(sr_get(request.bytes, "hello"), "pedestrians", "id x y vx vy ax ay length width", places + 21);
-    widths[2] = sr_columns(sr_get(request.bytes, "hello"), "vehicles", "id x y vx vy ax ay length width", places + 30);
-    widths[3] = sr_columns(sr_get(request.bytes, "hello"), "curvature_ahead", "distance curvature", places + 39);
+    widths[1] = sr_columns(sr_get(request.bytes, "hello"), "pedestrians", "id x y vx vy ax ay length width", places + 23);
+    widths[2] = sr_columns(sr_get(request.bytes, "hello"), "vehicles", "id x y vx vy ax ay length width", places + 32);
+    widths[3] = sr_columns(sr_get(request.bytes, "hello"), "curvature_ahead", "distance curvature", places + 41);
     fprintf(out, "{\"hello\":{\"protocol\":1,\"name\":\"%s\",\"version\":\"%s\",\"encoding\":\"f64\",\"tables\":[\"lanes\"],\"runs_at_once\":%d,\"gives\":[\"%s\"],"
             "\"modes\":[%s],\"parameters\":[%s]}}\n", own->name, own->version, at_once, own->gives,
             own->modes ? own->modes : "", own->parameters ? own->parameters : "");
     fflush(out);
     /* When each slot was decided last, and what: of runs that stand beside one that was refused, it is asked for again. */
-    double *decided = (double *)calloc((size_t)at_once, sizeof(double)), *kept = (double *)calloc((size_t)at_once, 33 * sizeof(double));
+    double *decided = (double *)calloc((size_t)at_once, sizeof(double)), *kept = (double *)calloc((size_t)at_once, 34 * sizeof(double));
     uint32_t head[8];
     while (decided && kept && fread(head, 4, 1, in) == 1) {
         request.used = 0; /* with its length, since rows are aligned from there */
@@ -227,7 +234,7 @@ static inline int sr_serve(const sr_controller *own, int argc, char **argv) {
         double *of = (double *)malloc((head[3] + head[4] + 1) * sizeof(double));
         if (!of) return 1;
         for (uint32_t index = 0, one = 0; index < head[3] + head[4]; index++) {
-            int is_vehicle = index >= head[3], place = is_vehicle ? 30 : 21;
+            int is_vehicle = index >= head[3], place = is_vehicle ? 32 : 23;
             of[one] = rows[0]; /* `row` is the first column. */
             sr_pick(rows, places + place, 9, (double *)&other[one++]);
             rows += widths[1 + is_vehicle];
@@ -235,30 +242,31 @@ static inline int sr_serve(const sr_controller *own, int argc, char **argv) {
         bends.used = 0;
         sr_change *change = (sr_change *)sr_make_room(&bends, head[5] * sizeof(sr_change) + 1);
         const double *bend = rows;
-        for (uint32_t index = 0; index < head[5]; index++) sr_pick(bend + index * (uint32_t)widths[3], places + 39, 2, (double *)&change[index]);
+        for (uint32_t index = 0; index < head[5]; index++) sr_pick(bend + index * (uint32_t)widths[3], places + 41, 2, (double *)&change[index]);
         answer.used = 0, errors.used = 0;
-        uint32_t after[4] = {0, 2, head[2], width + 1}, people = 0, cars = head[3], told = 0;
+        uint32_t after[4] = {0, 2, head[2], columns}, people = 0, cars = head[3], told = 0;
         memcpy(sr_make_room(&answer, 16), after, 16);
         for (uint32_t run = 0; run < head[2]; run++, row += widths[0]) {
-            double values[22], *given = (double *)sr_make_room(&answer, 8 * (width + 1));
-            sr_pick(row, places, 21, values);
+            double values[24], *given = (double *)sr_make_room(&answer, 8 * columns);
+            sr_pick(row, places, 23, values);
             int slot = (int)values[0];
             sr_seen seen;
-            memcpy(&seen, values + 1, 20 * sizeof(double));
+            memcpy(&seen, values + 1, 22 * sizeof(double));
             seen.pedestrian = other + people, seen.vehicle = other + cars;
             for (seen.pedestrians = 0; people < head[3] && of[people] == run; people++) seen.pedestrians++;
             for (seen.vehicles = 0; cars < head[3] + head[4] && of[cars] == run; cars++) seen.vehicles++;
             seen.change = change + told;
             for (seen.changes = 0; told < head[5] && bend[told * (uint32_t)widths[3]] == run; told++) seen.changes++;
             if (decided[slot] != seen.time) {
-                double *keep = kept + 33 * slot;
+                double *keep = kept + 34 * slot;
                 for (uint32_t index = 0; index < width; index++) keep[index] = NAN;
                 keep[width] = -1;
                 const char *wrong = own->step(slot, &seen, keep, keep + width);
+                if (own->curvature && !wrong) keep[width + 1] = own->curvature(slot);
                 decided[slot] = wrong ? NAN : seen.time;
                 if (wrong) sr_add_slot(&errors, errors.used ? "," : "", slot, wrong);
             }
-            memcpy(given, kept + 33 * slot, 8 * (width + 1));
+            memcpy(given, kept + 34 * slot, 8 * columns);
         }
         free(of);
         if (errors.used) {

@@ -10,7 +10,7 @@ use super::texts::Texts;
 use super::units;
 use files::{self, Overlay};
 use scenario::registry::Registry;
-use scenario::{Answer, Declaration, Parameter, ParameterKind, input_signals, output_signals};
+use scenario::{Answer, Declaration, Parameter, ParameterKind, STEERS, input_signals, output_signals};
 
 /// What the word at byte `offset` means, in Markdown, with the bytes it is about.
 pub fn hover(tree: &Tree, offset: usize, registry: &Registry) -> Option<(Span, String)> {
@@ -24,7 +24,7 @@ pub fn hover(tree: &Tree, offset: usize, registry: &Registry) -> Option<(Span, S
         }
         Some(Word::Signal(_)) => {
             let (_, known) = input_signals().find(|(name, _)| name == node.text()).or_else(|| {
-                let given = Answer::ALL.into_iter().flat_map(output_signals).copied();
+                let given = Answer::ALL.into_iter().flat_map(output_signals).chain([&STEERS]).copied();
                 given.map(|known| (known.name.to_string(), known)).find(|(name, _)| name == node.text())
             })?;
             format!("{} {}", known.doc, known.dimension.si_unit()).trim_end().to_string()

@@ -17,7 +17,7 @@ use super::units;
 use files::{self, Overlay};
 use scenario::registry::{Registry, Table};
 use scenario::{
-    AGGREGATES, AggregateWord, Answer, DISTRIBUTIONS, Declaration, ParameterKind, Registered, Scope,
+    AGGREGATES, AggregateWord, Answer, DISTRIBUTIONS, Declaration, ParameterKind, Registered, STEERS, Scope,
     SignalEntry, input_signals, output_signals,
 };
 
@@ -89,7 +89,7 @@ pub fn complete(
         }
         ["input"] => signals(""),
         ["input", group, "."] => signals(&format!("{group}.")),
-        ["output"] => Answer::ALL.into_iter().flat_map(output_signals).map(signal).collect(),
+        ["output"] => Answer::ALL.into_iter().flat_map(output_signals).chain([&STEERS]).map(signal).collect(),
         ["input" | "output", .., "in"] | ["parameter", .., "as", _, "in"] => units(),
         [.., "no"] if !is(block, &[BlockKind::Road, BlockKind::Gate]) => all(registry.metrics()),
         ["road"] => visible(path, &without_line(text, before.len()), registry, texts, |kind| {

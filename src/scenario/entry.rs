@@ -116,6 +116,11 @@ pub struct VehicleSetup {
 }
 
 impl VehicleSetup {
+    /// Whether its controller may steer it off its lane; whoever is in no registry may.
+    pub fn may_steer(&self) -> bool {
+        self.controller.model.entry().is_none_or(|controller| controller.steers)
+    }
+
     /// Where it drives on a road.
     pub fn path(&self, road: &Road) -> Path {
         road.path(self.lane).followed(self.behind)
@@ -233,6 +238,8 @@ pub struct ControllerModel {
     pub chance: Chance,
     /// What it does about the signal of a crossing.
     pub signals: SignalConduct,
+    /// Whether it may answer a curvature.
+    pub steers: bool,
     /// Makes one for a run.
     pub build: BuildController,
     /// The program that decides, of one that was declared in a file: it is not built, but asked.
@@ -272,6 +279,7 @@ impl ControllerModel {
             gives,
             chance: Chance::Always,
             signals: SignalConduct::Own,
+            steers: false,
             build: Arc::new(build),
             program: None,
         }
@@ -282,6 +290,7 @@ impl ControllerModel {
         let refusal = "it is a program, which is asked and not built";
         Self {
             program: Some(Arc::new(program.clone())),
+            steers: true,
             ..Self::new(declaration, program.gives.command(), move |_| Err(ModelError::new(refusal)))
         }
     }
@@ -294,6 +303,11 @@ impl ControllerModel {
     /// With what is known of whether it draws; [`Self::new`] takes it that it always may.
     pub fn chance(self, chance: Chance) -> Self {
         Self { chance, ..self }
+    }
+
+    /// One that may [steer](Controller::curvature); [`Self::new`] takes it that it does not. A program may.
+    pub fn steering(self) -> Self {
+        Self { steers: true, ..self }
     }
 
     /// With what it does about the signal of a crossing; [`Self::new`] takes it that it decides by itself. One that obeys finds in

@@ -112,7 +112,7 @@ pub use rating::{PointsCriterion, Rating, Scoring, TagPoints, Weight, WeightedVa
 pub use reference::{Reference, Registered};
 pub use road::{Bend, Body, Crossing, CrossingKind, Lane, Median, OtherCrossing, Road};
 pub use road_user_kind::RoadUserKind;
-pub use signal::{NOBODY_AT, OBJECT, OBJECTS, SEEN, SignalEntry, input_signals, output_signals};
+pub use signal::{NOBODY_AT, OBJECT, OBJECTS, SEEN, STEERS, SignalEntry, input_signals, output_signals};
 pub use signal_conduct::SignalConduct;
 pub use statement::{
     DeclaredStanding, Measured, OutcomesOf, Quantity, Statement, StatementClaim, StatementClaimKind,

@@ -64,6 +64,12 @@ impl Located {
         (velocity.dot(&self.heading) / self.stretch, self.far * self.heading.perp(&velocity))
     }
 
+    /// 1 where the far side of the road is to the left of the path, −1 where it is to the right.
+    #[inline]
+    pub fn far(&self) -> f64 {
+        self.far
+    }
+
     /// How far the point is to the left of the path, in the direction of travel, m.
     #[inline]
     pub fn left(&self) -> f64 {
@@ -159,6 +165,23 @@ impl Path {
                 let frame = course.frame(place - behind);
                 let ahead = frame.tangent * *behind;
                 (if *behind == 0.0 { frame.point } else { frame.point + ahead }, frame.tangent)
+            }
+        }
+    }
+
+    /// The same of a body that is at a place, the point of it that would follow the path so far (m) to the left of it, and turned to the
+    /// left of its direction (rad).
+    pub fn pose_beside(&self, place: f64, offset: f64, angle: f64) -> (Vector2<f64>, Vector2<f64>) {
+        let (cosine, sine) = (libm::cos(angle), libm::sin(angle));
+        let turned = |ahead: Vector2<f64>| ahead * cosine + Vector2::new(-ahead.y, ahead.x) * sine;
+        match &self.0 {
+            Kind::Straight { .. } => {
+                (self.to_world(Vector2::new(place, offset)), turned(self.heading(place)))
+            }
+            Kind::Curved { course, behind } => {
+                let frame = course.frame(place - behind);
+                let heading = turned(frame.tangent);
+                (frame.point + frame.normal() * offset + heading * *behind, heading)
             }
         }
     }

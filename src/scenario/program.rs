@@ -60,7 +60,7 @@ pub struct DeclaredFmu {
     pub file: String,
     /// What it is told, by the names of [`input_signals`](super::input_signals).
     pub inputs: Vec<WiredVariable>,
-    /// What it says: each of [`output_signals`](super::output_signals) once.
+    /// What it says: each of [`output_signals`](super::output_signals) once, and [`STEERS`](super::STEERS) if it steers.
     pub outputs: Vec<WiredVariable>,
     /// Its parameters that runs set, by the names by which the file declares them.
     pub parameters: Vec<WiredVariable>,

@@ -30,7 +30,7 @@ const fn flag(name: &'static str, doc: &'static str) -> SignalEntry {
 }
 
 /// Those of which there is one.
-pub const SEEN: [SignalEntry; 22] = [
+pub const SEEN: [SignalEntry; 24] = [
     signal("time", Dimension::TIME, "Time of the scenario; negative while settling."),
     signal("cruise_speed", Dimension::SPEED, "The speed that the vehicle is wanted to cruise at."),
     signal(
@@ -64,6 +64,16 @@ pub const SEEN: [SignalEntry; 22] = [
         "road.stop_line",
         Dimension::LENGTH,
         "From the edge of the crossing back to the line at which vehicles stop; 0 where there is no signal.",
+    ),
+    signal(
+        "ego.lateral_offset",
+        Dimension::LENGTH,
+        "Of the vehicle from the middle of its lane, to the left; 0 where nobody has steered.",
+    ),
+    signal(
+        "ego.heading_error",
+        Dimension::ANGLE,
+        "From the direction of the lane to that of the vehicle, to the left; 0 where nobody has steered.",
     ),
     flag("ahead.present", "Whether somebody is ahead in the lane."),
     signal(
@@ -109,6 +119,13 @@ pub fn output_signals(gives: Answer) -> &'static [SignalEntry] {
     }
 }
 
+/// What may be part of any answer.
+pub const STEERS: SignalEntry = signal(
+    "curvature",
+    Dimension::PER_LENGTH,
+    "Of the way that the rear axle is to take, to the left; without it the vehicle keeps its lane.",
+);
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -116,12 +133,12 @@ mod tests {
     #[test]
     fn every_signal_has_a_name_of_its_own() {
         let mut names: Vec<String> = input_signals().map(|(name, _)| name).collect();
-        assert_eq!(names.len(), 22 + 8 * 7);
+        assert_eq!(names.len(), 24 + 8 * 7);
         assert_eq!(names[3], "ego.speed");
-        assert_eq!(names[22], "object1.present");
+        assert_eq!(names[24], "object1.present");
         assert_eq!(names.last().unwrap(), "object8.width");
         names.sort();
         names.dedup();
-        assert_eq!(names.len(), 22 + 8 * 7);
+        assert_eq!(names.len(), 24 + 8 * 7);
     }
 }

@@ -7,9 +7,10 @@ use nalgebra::Vector2;
 use super::crossings_ahead::CrossingsAhead;
 use super::curvature::CurvatureChanges;
 use super::observer::Sighting;
-use super::order::{Order, SpeedPlan};
+use super::order::{Order, SpeedPlan, SteeredOrder};
 use super::road_users::{Driven, Driver};
 use super::solid::Solid;
+use super::steering::Steering;
 use scenario::agent::{
     Command, ControllerError, EgoState, Longitudinal, Mode, Observation, RoadView, Schedule, SeenPedestrian,
     SeenVehicle, Snapshot, VehicleState,
@@ -33,8 +34,12 @@ pub(super) struct Control {
     in_view: Vec<(bool, bool)>,
     /// What the vehicle does until the next decision takes effect.
     held: Held,
+    /// The curvature that it steers meanwhile, 1/m.
+    curvature: Option<f64>,
     /// What was decided for later, with the moments (s) from which on it holds, in the order of the decisions.
-    later: VecDeque<(f64, Held)>,
+    later: VecDeque<(f64, Held, Option<f64>)>,
+    steering: Steering,
+    may_steer: bool,
     schedule: Schedule,
     /// What it drives on, in its direction, where something is said of that.
     ground: Option<Ground>,
@@ -92,6 +97,8 @@ impl Control {
                 width: setup.width,
                 travelled: -FAR_AWAY,
                 curvature: 0.0,
+                lateral_offset: 0.0,
+                heading_error: 0.0,
             },
             cruise_speed: setup.speed,
             road: RoadView {
@@ -118,7 +125,10 @@ impl Control {
             view: driven.perception.is_some().then(observed),
             kinds: world.pedestrians.iter().map(|setup| setup.kind).collect(),
             held: Held::Command(Command::Acceleration(0.0)),
+            curvature: None,
             later: VecDeque::new(),
+            steering: Steering::new(setup, &ground),
+            may_steer: setup.may_steer(),
             schedule: driven.driver.schedule(),
             ground: Some(ground).filter(|ground| !ground.is_unsaid()),
             bends,
@@ -146,7 +156,7 @@ impl Control {
     pub fn due_before(&self, end: f64) -> Option<f64> {
         let mut next = self.next;
         if !self.later.is_empty() {
-            next = self.later.iter().map(|(moment, _)| *moment).fold(next, f64::min);
+            next = self.later.iter().map(|(moment, ..)| *moment).fold(next, f64::min);
         }
         (next < end - TIME_TOLERANCE).then_some(next)
     }
@@ -161,8 +171,9 @@ impl Control {
     /// Only those outside decide for later: the others do not pay for them.
     #[cold]
     fn take_effect_of_later(&mut self, time: f64) {
-        while let Some(last) = self.later.iter().rposition(|(moment, _)| *moment <= time + TIME_TOLERANCE) {
-            self.held = self.later.drain(..=last).next_back().expect("it has a last one").1;
+        while let Some(last) = self.later.iter().rposition(|(moment, ..)| *moment <= time + TIME_TOLERANCE) {
+            (_, self.held, self.curvature) =
+                self.later.drain(..=last).next_back().expect("it has a last one");
         }
     }
 
@@ -187,7 +198,7 @@ impl Control {
         match &mut driven.driver {
             Driver::Inside(controller) => {
                 let command = controller.act(self.view.as_ref().unwrap_or(&self.observation))?;
-                self.take(command)?;
+                self.take(command, controller.curvature())?;
                 Ok(Some(controller.mode()))
             }
             Driver::Outside { .. } => {
@@ -198,20 +209,23 @@ impl Control {
     }
 
     /// Takes a decision, which holds until the next.
-    pub fn take(&mut self, command: Command) -> Result<(), ControllerError> {
+    pub fn take(&mut self, command: Command, curvature: Option<f64>) -> Result<(), ControllerError> {
         self.check(command)?;
+        self.check_curvature(curvature)?;
         self.waits = false;
         if !self.later.is_empty() {
             self.later.clear();
         }
-        self.held = Held::Command(command);
+        (self.held, self.curvature) = (Held::Command(command), curvature);
         self.count_from(self.decisions + 1)
     }
 
     /// Takes a decision that is taken at `time` (s) and holds from `delay` (s) later on until the next one does.
-    pub fn take_later(&mut self, order: Order, time: f64, delay: f64) -> Result<(), ControllerError> {
-        let held = match order {
-            Order::Command(command) if delay <= 0.0 => return self.take(command),
+    pub fn take_later(&mut self, orders: SteeredOrder, time: f64, delay: f64) -> Result<(), ControllerError> {
+        let SteeredOrder { along, curvature } = orders;
+        self.check_curvature(curvature)?;
+        let held = match along {
+            Order::Command(command) if delay <= 0.0 => return self.take(command, curvature),
             Order::Command(command) => {
                 self.check(command)?;
                 Held::Command(command)
@@ -219,7 +233,7 @@ impl Control {
             Order::Plan(plan) => Held::Plan { plan, begun: time + delay },
         };
         self.waits = false;
-        self.later.push_back((time + delay, held));
+        self.later.push_back((time + delay, held, curvature));
         self.take_effect(time);
         self.count_from(self.decisions + 1)
     }
@@ -239,6 +253,21 @@ impl Control {
                 Err(ControllerError::new(format!("it is declared to give {kind:?}, and gives {command:?}")))
             }
             _ => Ok(()),
+        }
+    }
+
+    /// Whether the vehicle can be steered by it, and its controller is one that does so.
+    fn check_curvature(&self, curvature: Option<f64>) -> Result<(), ControllerError> {
+        match curvature {
+            None => Ok(()),
+            Some(other) if !other.is_finite() => {
+                Err(ControllerError::new(format!("no vehicle can follow a curvature of {other} 1/m")))
+            }
+            Some(_) if self.may_steer => Ok(()),
+            Some(other) => Err(ControllerError::with_hint(
+                format!("it answers a curvature of {other} 1/m, and is declared not to steer"),
+                "declare it with `ControllerModel::steering`",
+            )),
         }
     }
 
@@ -306,11 +335,11 @@ impl Control {
         self.count_from(0)?;
         // What was decided while settling holds on: its moments are counted from the start from now on.
         let settled = steps as f64 * step;
-        self.later.iter_mut().for_each(|(moment, _)| *moment -= settled);
+        self.later.iter_mut().for_each(|(moment, ..)| *moment -= settled);
         if let Held::Plan { begun, .. } = &mut self.held {
             *begun -= settled;
         }
-        for (_, held) in &mut self.later {
+        for (_, held, _) in &mut self.later {
             if let Held::Plan { begun, .. } = held {
                 *begun -= settled;
             }
@@ -325,8 +354,19 @@ impl Control {
         self.settling.motion = motion;
     }
 
-    /// Lets the vehicle do for `duration` (s) what it is told at `time` (s).
-    pub fn drive_on(&self, time: f64, duration: f64, motion: &mut Longitudinal, driven: &mut Driven) {
+    /// Lets the vehicle do for `duration` (s) what it is told at `time` (s), and steer if it is told to.
+    #[inline]
+    pub fn drive(&self, time: f64, duration: f64, car: &mut VehicleState, driven: &mut Driven) {
+        if self.curvature.is_none() && car.steered.is_none() {
+            return self.drive_on(time, duration, &mut car.motion, driven);
+        }
+        let before = car.motion;
+        self.drive_on(time, duration, &mut car.motion, driven);
+        self.steering.follow(car, before, self.curvature, duration);
+    }
+
+    /// Lets the vehicle do along its way for `duration` (s) what it is told at `time` (s).
+    fn drive_on(&self, time: f64, duration: f64, motion: &mut Longitudinal, driven: &mut Driven) {
         let command = self.command_at(time, motion.speed);
         match &self.ground {
             None => driven.dynamics.advance(motion, command, duration),
@@ -375,6 +415,10 @@ impl Control {
         seen.ego.speed = ego.motion.speed;
         seen.ego.acceleration = ego.motion.acceleration;
         seen.ego.travelled = ego.motion.travelled;
+        if let Some(steered) = &ego.steered {
+            seen.ego.lateral_offset = steered.offset;
+            seen.ego.heading_error = steered.heading_error;
+        }
         if ego.path.course().is_some() {
             seen.ego.curvature = ego.path.curvature(ego.motion.travelled);
             self.bends.tell(ego.motion.travelled, seen.ego.curvature, &mut seen.road.curvature_ahead);
@@ -421,7 +465,10 @@ struct Seen<'a> {
 impl<'a> Seen<'a> {
     fn new(ego: &'a VehicleState, place: Vector2<f64>) -> Self {
         if ego.path.course().is_none() {
-            return Self { ego, position: ego.turned(place - ego.position()), abreast: None };
+            // Seen from its lane, also where it is beside that.
+            let here = ego.motion.travelled;
+            let position = ego.path.turned(here, place - ego.path.point(here));
+            return Self { ego, position, abreast: None };
         }
         let abreast = ego.path.locate(place);
         let position = Vector2::new(abreast.along - ego.motion.travelled, abreast.left());
@@ -431,7 +478,7 @@ impl<'a> Seen<'a> {
     /// A vector along the path and to the left of it, where they are.
     fn turned(&self, vector: Vector2<f64>) -> Vector2<f64> {
         match &self.abreast {
-            None => self.ego.turned(vector),
+            None => self.ego.path.turned(self.ego.motion.travelled, vector),
             Some(abreast) => abreast.turned(vector),
         }
     }
@@ -439,7 +486,7 @@ impl<'a> Seen<'a> {
     /// How fast the place abreast of them moves along the path, and they to the left of it, m/s.
     fn velocity(&self, velocity: Vector2<f64>) -> Vector2<f64> {
         match &self.abreast {
-            None => self.ego.turned(velocity),
+            None => self.turned(velocity),
             Some(abreast) => Vector2::new(abreast.speeds(velocity).0, abreast.turned(velocity).y),
         }
     }

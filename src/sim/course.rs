@@ -10,7 +10,7 @@ use super::control::{Control, TIME_TOLERANCE};
 use super::keep_clear::KeepClear;
 use super::legs::Legs;
 use super::observer::{Ending, Observer, Sighting, Step, StopReason};
-use super::order::Order;
+use super::order::SteeredOrder;
 use super::road_users::RoadUsers;
 use super::solid::Solid;
 use super::start::{placed, waiting_outside, way};
@@ -235,7 +235,7 @@ impl Course {
     /// If the vehicle is not asked.
     pub fn decide(&mut self, vehicle: usize, command: Command, mode: Mode) -> Result<(), Fault> {
         assert!(self.controls[vehicle].waits, "vehicle {vehicle} is not asked");
-        if let Err(error) = self.controls[vehicle].take(command) {
+        if let Err(error) = self.controls[vehicle].take(command, None) {
             return Err(self.fault(vehicle, error));
         }
         self.waiting -= 1;
@@ -256,14 +256,14 @@ impl Course {
     pub fn decide_later(
         &mut self,
         vehicle: usize,
-        order: Order,
+        orders: impl Into<SteeredOrder>,
         delay: f64,
         mode: Mode,
     ) -> Result<(), Fault> {
         assert!(self.controls[vehicle].waits, "vehicle {vehicle} is not asked");
         let control = &mut self.controls[vehicle];
         let moment = control.moment();
-        if let Err(error) = control.take_later(order, moment, delay) {
+        if let Err(error) = control.take_later(orders.into(), moment, delay) {
             return Err(self.fault(vehicle, error));
         }
         self.waiting -= 1;
@@ -483,7 +483,7 @@ impl Course {
     fn drive_on(&mut self, time: f64, duration: f64) {
         let controlled = self.controls.iter().zip(&mut self.users.vehicles);
         for (state, (control, driven)) in self.next.vehicles.iter_mut().zip(controlled) {
-            control.drive_on(time, duration, &mut state.motion, driven);
+            control.drive(time, duration, state, driven);
         }
     }
 
@@ -535,10 +535,11 @@ fn ways_across(world: &World) -> Vec<f64> {
     ways.collect()
 }
 
-/// Puts vehicles where the same ones are in another state: how they move is all that changes in a run.
+/// Puts vehicles where the same ones are in another state: how they move and where they are steered is all that changes in a run.
 fn put(vehicles: &mut [VehicleState], others: &[VehicleState]) {
     for (vehicle, other) in vehicles.iter_mut().zip(others) {
         vehicle.motion = other.motion;
+        vehicle.steered = other.steered;
     }
 }
 

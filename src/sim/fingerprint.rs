@@ -31,6 +31,11 @@ impl Observer for Fingerprint {
         for car in &step.whole.vehicles {
             self.mix(car.motion.travelled);
             self.mix(car.motion.speed);
+            if let Some(steered) = &car.steered {
+                self.mix(steered.centre.x);
+                self.mix(steered.centre.y);
+                self.mix(steered.heading.y);
+            }
         }
         for person in &step.whole.pedestrians {
             self.mix(person.position.x);

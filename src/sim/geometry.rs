@@ -22,10 +22,10 @@ impl From<&VehicleState> for Footprint {
     #[inline]
     fn from(vehicle: &VehicleState) -> Self {
         let shape = Shape::Rectangle { length: vehicle.length, width: vehicle.width };
-        let (centre, heading) = match vehicle.path.course() {
+        let (centre, heading) = match vehicle.keeps_straight() {
             // A rectangle is the same from either end, so that both directions of travel have the same bits.
-            None => (vehicle.position(), Vector2::x()),
-            Some(_) => vehicle.path.pose(vehicle.motion.travelled),
+            true => (vehicle.position(), Vector2::x()),
+            false => vehicle.pose(),
         };
         Self { centre, heading, shape }
     }
@@ -177,7 +177,7 @@ pub fn first_contact(
 
 /// Smallest distance between the footprints in m; 0 when they touch or overlap.
 pub fn distance(vehicle: &VehicleState, pedestrian: &PedestrianState) -> f64 {
-    if vehicle.path.course().is_some() {
+    if !vehicle.keeps_straight() {
         return apart(&vehicle.into(), &pedestrian.into());
     }
     // Along the axes of a straight road, which are the world's.
@@ -299,6 +299,7 @@ mod tests {
             path: Path::straight(0.0, Direction::Forward),
             length: 4.0,
             width: 2.0,
+            steered: None,
         }
     }
 

@@ -37,6 +37,7 @@ pub mod script;
 pub mod sight;
 mod solid;
 mod start;
+mod steering;
 mod timeline;
 mod trace;
 mod turning;
@@ -49,12 +50,12 @@ pub use course::{
 pub use fingerprint::Fingerprint;
 pub use hit::hit_at;
 pub use observer::{Ending, Observer, Sighting, Step, StopReason};
-pub use order::{LONGEST_PLAN, Order, SpeedPlan, SpeedPlanError, toward};
+pub use order::{LONGEST_PLAN, Order, SpeedPlan, SpeedPlanError, SteeredOrder, toward};
 pub use road_users::{Driven, Driver, RoadUsers};
 pub use scenario::agent::{
     Command, Controller, ControllerError, CrossingView, Dynamics, EgoState, Longitudinal, Mode, ModelError,
     Motion, Observation, Pedestrian, PedestrianState, Perception, RoadView, Scene, Schedule, SeenPedestrian,
-    SeenVehicle, Snapshot, Stated, StatedBy, VehicleState, velocity_inside,
+    SeenVehicle, Snapshot, Stated, StatedBy, Steered, VehicleState, velocity_inside,
 };
 pub use solid::Solid;
 pub use start::{beginning, blocked_lanes, collision_course, overlaps};

@@ -61,11 +61,9 @@ impl Step<'_> {
     /// The state `moment` s after the beginning of the step.
     pub fn at(&self, moment: f64) -> Snapshot {
         let part = moment / self.duration;
-        let between = |from: f64, to: f64| from + part * (to - from);
         let mut state = self.after.clone();
         for (car, before) in state.vehicles.iter_mut().zip(&self.before.vehicles) {
-            car.motion.travelled = between(before.motion.travelled, car.motion.travelled);
-            car.motion.speed = between(before.motion.speed, car.motion.speed);
+            *car = before.between(car, part);
         }
         for (person, before) in state.pedestrians.iter_mut().zip(&self.before.pedestrians) {
             let velocity = velocity_inside(self.duration, before, person, part);

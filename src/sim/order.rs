@@ -13,6 +13,29 @@ pub enum Order {
     Plan(Box<SpeedPlan>),
 }
 
+/// What somebody outside decides for a vehicle that may be steered as well.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SteeredOrder {
+    /// How fast it goes.
+    pub along: Order,
+    /// The curvature (1/m, to the left) of the way that its rear axle takes; `None`: it is not steered, as
+    /// [`Controller::curvature`](scenario::agent::Controller::curvature) says.
+    pub curvature: Option<f64>,
+}
+
+impl SteeredOrder {
+    /// The numbers of its [`Order`], and the curvature (1/m) if there is one.
+    pub fn values(&self) -> Vec<f64> {
+        self.along.values().into_iter().chain(self.curvature).collect()
+    }
+}
+
+impl From<Order> for SteeredOrder {
+    fn from(along: Order) -> Self {
+        Self { along, curvature: None }
+    }
+}
+
 impl Order {
     /// Its numbers: an acceleration (m/s²); or throttle and brake; or times (s) and speeds (m/s) of a plan.
     pub fn values(&self) -> Vec<f64> {

@@ -104,6 +104,7 @@ pub(super) fn placed(world: &World, setup: &VehicleSetup, settled: Longitudinal)
         path,
         length: setup.length,
         width: setup.width,
+        steered: None,
     }
 }
 
@@ -122,7 +123,7 @@ pub fn beginning(world: &World) -> Snapshot {
 pub fn collision_course(first: Solid, second: Solid, state: &Snapshot, world: &World) -> Option<f64> {
     let boxes = &world.road.boxes;
     let bends = |solid| match solid {
-        Solid::Vehicle(index) => state.vehicles[index].path.course().is_some(),
+        Solid::Vehicle(index) => !state.vehicles[index].keeps_straight(),
         _ => false,
     };
     if bends(first) || bends(second) {

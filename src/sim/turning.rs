@@ -1,10 +1,10 @@
-//! When bodies touch of which one follows a path that bends: by steps that no contact can hide in.
+//! When bodies touch of which one follows a path that bends or is steered: by steps that no contact can hide in.
 
 use nalgebra::Vector2;
 
 use super::geometry::{Footprint, apart, first_contact};
 use super::solid::Solid;
-use scenario::agent::{PedestrianState, Snapshot, VehicleState};
+use scenario::agent::{PedestrianState, Snapshot, Steered, VehicleState};
 use scenario::{Body, Path, Shape};
 
 /// Outlines that are nearer than this touch, m.
@@ -81,15 +81,16 @@ pub(super) fn contact_ahead(
 /// The same of a vehicle and a pedestrian.
 #[inline]
 pub fn contact_with(vehicle: &VehicleState, pedestrian: &PedestrianState) -> Option<f64> {
-    match vehicle.path.course() {
-        None => first_contact(vehicle, pedestrian, pedestrian.velocity - vehicle.velocity()),
-        Some(_) => Moving::Vehicle(vehicle).meets(&Moving::Person(pedestrian)),
+    match vehicle.keeps_straight() {
+        true => first_contact(vehicle, pedestrian, pedestrian.velocity - vehicle.velocity()),
+        false => Moving::vehicle(vehicle).meets(&Moving::Person(pedestrian)),
     }
 }
 
 /// Somebody who moves on as they do now.
 enum Moving<'a> {
     Vehicle(&'a VehicleState),
+    Beside(Beside<'a>),
     Person(&'a PedestrianState),
     Box(&'a Body),
 }
@@ -97,13 +98,17 @@ enum Moving<'a> {
 impl<'a> Moving<'a> {
     fn new(solid: Solid, state: &'a Snapshot, boxes: &'a [Body]) -> Option<Self> {
         match solid {
-            Solid::Vehicle(index) => Some(Self::Vehicle(&state.vehicles[index])),
+            Solid::Vehicle(index) => Some(Self::vehicle(&state.vehicles[index])),
             Solid::Pedestrian(index) => {
                 let person = &state.pedestrians[index];
                 person.present.then_some(Self::Person(person))
             }
             Solid::Box(index) => Some(Self::Box(&boxes[index])),
         }
+    }
+
+    fn vehicle(car: &'a VehicleState) -> Self {
+        car.steered.as_ref().map_or(Self::Vehicle(car), |steered| Self::Beside(Beside::new(car, steered)))
     }
 
     /// After so many seconds.
@@ -116,6 +121,7 @@ impl<'a> Moving<'a> {
                     None => Footprint { centre: car.path.point(place), ..Footprint::from(*car) },
                 }
             }
+            Self::Beside(beside) => beside.outline(time),
             Self::Person(person) => {
                 Footprint { centre: person.position + person.velocity * time, ..Footprint::from(*person) }
             }
@@ -129,6 +135,7 @@ impl<'a> Moving<'a> {
             Self::Vehicle(car) => {
                 car.path.velocity(car.motion.travelled + car.motion.speed * time, car.motion.speed)
             }
+            Self::Beside(beside) => beside.velocity(time),
             Self::Person(person) => person.velocity,
             Self::Box(_) => Vector2::zeros(),
         }
@@ -136,19 +143,26 @@ impl<'a> Moving<'a> {
 
     /// From a time (s) on: whether it turns, and for how long that stays so, s.
     fn turns(&self, time: f64) -> (bool, f64) {
-        let Self::Vehicle(car) = self else { return (false, f64::INFINITY) };
-        if car.path.course().is_none() || car.motion.speed <= 0.0 {
+        let (car, along) = match self {
+            Self::Vehicle(car) => (*car, car.motion.speed),
+            Self::Beside(beside) => (beside.car, beside.along),
+            Self::Person(_) | Self::Box(_) => return (false, f64::INFINITY),
+        };
+        if car.path.course().is_none() || along <= 0.0 {
             return (false, f64::INFINITY);
         }
-        let place = car.motion.travelled + car.motion.speed * time;
+        let place = car.motion.travelled + along * time;
         let straight = car.path.straight_ahead(place);
         let turns = straight <= ROUNDING;
         let ahead = if turns { car.path.bend_ahead(place).max(ROUNDING) } else { straight };
-        (turns, ahead / car.motion.speed)
+        (turns, ahead / along)
     }
 
     /// What no point of its outline is faster than between two times (s), m/s.
     fn fastest(&self, from: f64, to: f64) -> f64 {
+        if let Self::Beside(beside) = self {
+            return beside.fastest(from, to);
+        }
         let Self::Vehicle(car) = self else { return self.velocity(from).norm() };
         let (place, speed) = (car.motion.travelled, car.motion.speed);
         let (from, to) = (place + speed * from, place + speed * to);
@@ -182,6 +196,52 @@ impl<'a> Moving<'a> {
     }
 }
 
+/// A vehicle that was steered beside its path and is not steered on: it goes on at the angle to its path that it has, straight on
+/// beside a straight one.
+struct Beside<'a> {
+    car: &'a VehicleState,
+    offset: f64,
+    angle: f64,
+    /// How fast the place abreast of it moves, m/s.
+    along: f64,
+    /// How fast it moves to the left of the path, m/s.
+    sideways: f64,
+}
+
+impl<'a> Beside<'a> {
+    fn new(car: &'a VehicleState, steered: &Steered) -> Self {
+        let (offset, angle) = (steered.offset, steered.heading_error);
+        let inwards = (1.0 - car.path.curvature(car.motion.travelled) * offset).max(0.1);
+        let (along, sideways) = (libm::cos(angle) / inwards, libm::sin(angle));
+        Self { car, offset, angle, along: car.motion.speed * along, sideways: car.motion.speed * sideways }
+    }
+
+    /// After so many seconds.
+    fn outline(&self, time: f64) -> Footprint {
+        let place = self.car.motion.travelled + self.along * time;
+        let (centre, heading) =
+            self.car.path.pose_beside(place, self.offset + self.sideways * time, self.angle);
+        let shape = Shape::Rectangle { length: self.car.length, width: self.car.width };
+        Footprint { centre, heading, shape }
+    }
+
+    /// After so many seconds, where it does not turn, m/s.
+    fn velocity(&self, time: f64) -> Vector2<f64> {
+        let ahead = self.car.path.heading(self.car.motion.travelled + self.along * time);
+        ahead * self.along + Vector2::new(-ahead.y, ahead.x) * self.sideways
+    }
+
+    /// What no point of its outline is faster than between two times (s), m/s.
+    fn fastest(&self, from: f64, to: f64) -> f64 {
+        let place = |time: f64| self.car.motion.travelled + self.along * time;
+        let bend = self.car.path.tightest_between(place(from), place(to));
+        let farthest = self.offset.abs() + self.sideways.abs() * to;
+        // Its centre may be as far from the point that follows as half its length.
+        let reach = farthest + libm::hypot(self.car.length, self.car.width) / 2.0 + self.car.length / 2.0;
+        self.along.abs() * (1.0 + bend * reach) + self.sideways.abs()
+    }
+}
+
 /// The moment (s) within a step of `duration` s at which two first touch of which one is a vehicle on a bend; `None` too if
 /// neither is, for which there is an exact answer.
 pub(super) fn touch_on_a_bend(
@@ -195,6 +255,9 @@ pub(super) fn touch_on_a_bend(
         match solid {
             Solid::Vehicle(index) => {
                 let (car, next) = (&before.vehicles[index], &after.vehicles[index].motion);
+                if after.vehicles[index].steered.is_some() {
+                    return Footprint::from(&car.between(&after.vehicles[index], part));
+                }
                 let place = car.motion.travelled + part * (next.travelled - car.motion.travelled);
                 vehicle_at(&car.path, place, (car.length, car.width))
             }
@@ -209,6 +272,12 @@ pub(super) fn touch_on_a_bend(
         Solid::Vehicle(index) => {
             let (car, next) = (&before.vehicles[index], &after.vehicles[index].motion);
             let (from, to) = (car.motion.travelled, next.travelled);
+            if let Some(steered) = &after.vehicles[index].steered {
+                let ((centre, heading), radius) = (car.pose(), libm::hypot(car.length, car.width) / 2.0);
+                // A chord that is turned evenly: twice what it comes to is more than it ever does.
+                let turned = 2.0 * (steered.heading - heading).norm() * radius;
+                return ((steered.centre - centre).norm() + turned) / duration;
+            }
             (to - from) / duration * car.path.most_moved((from, to), (car.length, car.width))
         }
         Solid::Pedestrian(index) => {
@@ -224,6 +293,9 @@ pub(super) fn touch_on_a_bend(
 pub(super) fn turns(solid: Solid, before: &Snapshot, after: &Snapshot) -> bool {
     let Solid::Vehicle(index) = solid else { return false };
     let (car, next) = (&before.vehicles[index], &after.vehicles[index].motion);
+    if let Some(steered) = &after.vehicles[index].steered {
+        return steered.heading != car.heading();
+    }
     car.path.tightest_between(car.motion.travelled, next.travelled) > 0.0
 }
 
@@ -279,7 +351,7 @@ mod tests {
 
     fn car(travelled: f64, speed: f64) -> VehicleState {
         let motion = Longitudinal { travelled, speed, acceleration: 0.0 };
-        VehicleState { motion, path: turn(), length: 4.36, width: 1.82 }
+        VehicleState { motion, path: turn(), length: 4.36, width: 1.82, steered: None }
     }
 
     fn person(position: Vector2<f64>, velocity: Vector2<f64>, disc: bool) -> PedestrianState {

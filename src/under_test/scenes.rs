@@ -147,6 +147,8 @@ impl Sketch {
                 width: 1.8,
                 travelled: -distance,
                 curvature: 0.0,
+                lateral_offset: 0.0,
+                heading_error: 0.0,
             },
             cruise_speed: LIMIT,
             road: RoadView {

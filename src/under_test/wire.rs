@@ -37,7 +37,8 @@ pub const RUNS: [&str; 16] = [
 
 /// Columns behind [`RUNS`] in rows of runs, for programs that ask for how lanes run: others know how long a row is. Those who ask are
 /// told the names, so that more may follow.
-pub const LANES: [&str; 5] = ["travelled", "curvature", "gradient", "amber", "stop_line"];
+pub const LANES: [&str; 7] =
+    ["travelled", "curvature", "gradient", "amber", "stop_line", "lateral_offset", "heading_error"];
 
 /// Columns of the rows of pedestrians.
 pub const PEDESTRIANS: [&str; 10] = ["row", "id", "x", "y", "vx", "vy", "ax", "ay", "length", "width"];
@@ -88,6 +89,8 @@ pub struct Decision {
     pub order: Order,
     /// What the program is up to.
     pub mode: Mode,
+    /// The curvature that it steers, 1/m, if it does.
+    pub curvature: Option<f64>,
     /// The speed that it said, m/s, where the order is what brings the vehicle to one.
     pub speed: Option<f64>,
 }
@@ -234,8 +237,14 @@ pub fn scene(asked: &DueDecision) -> Json {
         "distance_to_crossing": ego.distance_to_crossing, "speed": ego.speed, "acceleration": ego.acceleration,
         "length": ego.length, "width": ego.width, "travelled": ego.travelled,
     });
-    if ego.curvature != 0.0 {
-        own["curvature"] = json!(ego.curvature);
+    for (name, value) in [
+        ("curvature", ego.curvature),
+        ("lateral_offset", ego.lateral_offset),
+        ("heading_error", ego.heading_error),
+    ] {
+        if value != 0.0 {
+            own[name] = json!(value);
+        }
     }
     json!({
         "slot": slot, "time": time, "new": is_new, "cruise_speed": cruise_speed, "ego": own,
@@ -298,6 +307,8 @@ pub fn read_scene(scene: &Json) -> Option<(Observation, bool, Option<bool>)> {
             // Older ones do not say it.
             travelled: number(ego, "travelled").unwrap_or(-distance_to_crossing),
             curvature: number(ego, "curvature").unwrap_or(0.0),
+            lateral_offset: number(ego, "lateral_offset").unwrap_or(0.0),
+            heading_error: number(ego, "heading_error").unwrap_or(0.0),
         },
         cruise_speed: number(scene, "cruise_speed")?,
         road: RoadView {
@@ -383,6 +394,8 @@ pub fn step_frame(asked: &[DueDecision], with_lanes: bool, into: &mut Vec<u8>) {
                 road.gradient.unwrap_or(f64::NAN),
                 of_signal(|seen| f64::from(seen.state == SignalState::Amber)),
                 of_signal(|seen| seen.stop_line),
+                ego.lateral_offset,
+                ego.heading_error,
             ]);
         }
     }
@@ -430,6 +443,9 @@ pub fn said(decision: &Decision) -> Json {
     let mode = decision.mode.as_str();
     if !mode.is_empty() {
         said["mode"] = json!(mode);
+    }
+    if let Some(curvature) = decision.curvature {
+        said["curvature"] = json!(curvature);
     }
     said
 }
@@ -530,7 +546,11 @@ pub fn read_line(line: &[u8], gives: Answer, asked: &[DueDecision]) -> Result<Re
         }?;
         let mode = answer.get("mode").and_then(Json::as_str).unwrap_or_default();
         let speed = answer.get("speed").and_then(Json::as_f64).filter(|_| gives == Answer::Speed);
-        Ok(Decision { order, mode: Mode::from(mode.to_string()), speed })
+        let curvature = match answer.get("curvature") {
+            None | Some(Json::Null) => None,
+            Some(_) => Some(steered(number(answer, "curvature")?)?),
+        };
+        Ok(Decision { order, mode: Mode::from(mode.to_string()), curvature, speed })
     };
     each(answers.iter().zip(asked).map(decision))
 }
@@ -576,12 +596,13 @@ pub fn read_frame(
         Answer::SpeedPlan => 2 * PLAN_POINTS,
     };
     let (runs, columns) = (word(1).unwrap_or(0) as usize, word(2).unwrap_or(0) as usize);
-    if runs != asked.len() || !(own..=own + 1).contains(&columns) || frame.len() != 12 + 8 * runs * columns {
+    if runs != asked.len() || !(own..=own + 2).contains(&columns) || frame.len() != 12 + 8 * runs * columns {
         return Err(garbage(format!(
-            "a frame of {} bytes with {runs} rows of {columns} columns, where {} rows of {} were due",
+            "a frame of {} bytes with {runs} rows of {columns} columns, where {} rows of {} were due, or of {} with a curvature",
             frame.len(),
             asked.len(),
-            own + 1
+            own + 1,
+            own + 2
         )));
     }
     let double = |bytes: &[u8]| {
@@ -601,7 +622,9 @@ pub fn read_frame(
         let mode = if columns > own { value(own) } else { -1.0 };
         let known = (mode >= 0.0).then(|| modes.get(mode as usize)).flatten();
         let speed = (gives == Answer::Speed).then(|| value(0));
-        Ok(Decision { order, mode: known.cloned().unwrap_or(Mode::NONE), speed })
+        let curvature = Some(own + 1).filter(|column| *column < columns).map(value);
+        let curvature = curvature.filter(|value| !value.is_nan()).map(steered).transpose()?;
+        Ok(Decision { order, mode: known.cloned().unwrap_or(Mode::NONE), curvature, speed })
     };
     each(frame[12..].chunks_exact(8 * columns.max(1)).zip(asked).map(decision))
 }
@@ -615,6 +638,15 @@ fn acceleration(value: f64) -> Result<Order, ProgramFault> {
         Ok(Order::Command(Command::Acceleration(value)))
     } else {
         Err(bad_value(format!("an acceleration of {value} m/s², outside -50 .. 50 m/s²")))
+    }
+}
+
+/// A curvature that somebody may ask for; what the vehicle makes of it is its own.
+fn steered(curvature: f64) -> Result<f64, ProgramFault> {
+    if curvature.abs() <= 10.0 {
+        Ok(curvature)
+    } else {
+        Err(bad_value(format!("a curvature of {curvature} 1/m, outside -10 .. 10 1/m")))
     }
 }
 

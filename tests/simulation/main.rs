@@ -20,6 +20,7 @@ mod refuges;
 mod same_as;
 mod several_others;
 mod signals;
+mod steering;
 #[path = "../support/mod.rs"]
 mod support;
 mod values;

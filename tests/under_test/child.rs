@@ -211,6 +211,16 @@ impl Child {
                 }
             })
             .collect();
+        let answers: Vec<Value> = answers
+            .into_iter()
+            .zip(&seen)
+            .map(|(mut answer, one)| {
+                if let Some(curvature) = self.curvature(one) {
+                    answer["curvature"] = json!(curvature);
+                }
+                answer
+            })
+            .collect();
         Some(json!({ "answer": answers }).to_string())
     }
 
@@ -248,6 +258,9 @@ impl Child {
                     values.resize(32, f64::NAN);
                 }
                 values.push(f64::from(u8::from(one.near)));
+                if self.kind.starts_with("steers") {
+                    values.push(self.curvature(one).unwrap_or(f64::NAN));
+                }
                 values
             })
             .collect();
@@ -259,6 +272,15 @@ impl Child {
         }
         rows.iter().flatten().for_each(|value| answer.extend(value.to_le_bytes()));
         Some(answer)
+    }
+
+    /// What it steers, if it does.
+    fn curvature(&self, seen: &Seen) -> Option<f64> {
+        match self.kind.as_str() {
+            "steers" => (0.3..1.5).contains(&seen.time).then(|| if seen.time < 0.9 { 0.02 } else { -0.02 }),
+            "steers_sharply" => Some(10.5),
+            _ => None,
+        }
     }
 
     fn decide(&self, seen: &Seen) -> Vec<f64> {

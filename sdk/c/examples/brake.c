@@ -24,7 +24,7 @@ static const char *step(int slot, const sr_seen *seen, double *acceleration, dou
 
 int main(int argc, char **argv) {
     static const sr_controller brake = {
-        "brake", "1", "acceleration", RUNS, "\"cruise\",\"brake\"", SR_NUMBER(braking_distance, "m", 25, 1, 60), start, step, NULL,
+        "brake", "1", "acceleration", RUNS, "\"cruise\",\"brake\"", SR_NUMBER(braking_distance, "m", 25, 1, 60), start, step, NULL, NULL,
     };
     return sr_serve(&brake, argc, argv);
 }

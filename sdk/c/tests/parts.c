@@ -84,7 +84,7 @@ int main(void) {
     fflush(requests), rewind(requests);
     assert(dup2(fileno(requests), 0) == 0 && dup2(fileno(answers), 1) == 1);
 
-    sr_controller own = {"parts", "1", "acceleration", 64, "\"cruise\"", SR_NUMBER(gap, "m", 5, 1, 30) "," SR_FLAG(yields, true), start, step, NULL};
+    sr_controller own = {"parts", "1", "acceleration", 64, "\"cruise\"", SR_NUMBER(gap, "m", 5, 1, 30) "," SR_FLAG(yields, true), start, step, NULL, NULL};
     assert(sr_serve(&own, 2, arguments) == 0);
     rewind(answers);
     assert(fgets(said, sizeof said, answers) && strstr(said, "\"runs_at_once\":4") && strstr(said, "{\"name\":\"yields\",\"default\":true}"));

@@ -8,8 +8,8 @@ from scenario_runner_av._seen import CURVATURE_COLUMNS, PEDESTRIAN_COLUMNS, RUN_
 from scenario_runner_av._serve import converse
 
 COLUMNS = {
-    "runs": list(RUN_COLUMNS[:-5]),
-    "lanes": list(RUN_COLUMNS[-5:]),
+    "runs": list(RUN_COLUMNS[:16]),
+    "lanes": list(RUN_COLUMNS[16:]),
     "pedestrians": list(PEDESTRIAN_COLUMNS),
     "vehicles": list(VEHICLE_COLUMNS),
     "curvature_ahead": list(CURVATURE_COLUMNS),
@@ -85,7 +85,7 @@ def frame(request, columns):
     for index, table in enumerate(tables):
         for row, one in enumerate(scenes):
             bends = [{"distance": at, "curvature": bend} for at, bend in one["road"].get("curvature_ahead", ())]
-            run_ = {"curvature": 0.0, **one["ego"], **one["road"], **one}
+            run_ = {"curvature": 0.0, "lateral_offset": 0.0, "heading_error": 0.0, **one["ego"], **one["road"], **one}
             for of in [run_] if index == 0 else bends if table == "curvature_ahead" else one[table]:
                 values = [float({"row": row, **of}.get(name, NAN)) for name in columns[table]]
                 rows += struct.pack(f"<{len(values)}d", *values)

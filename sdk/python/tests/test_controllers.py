@@ -96,6 +96,30 @@ class Conversation(unittest.TestCase):
             self.assertEqual((plain.curvature_ahead, one.curvature), ([], 0.25))
             self.assertEqual([tuple(change) for change in one.curvature_ahead], [(1, 20.0, 0.0), (1, 45.0, 0.02)], encoding)
 
+    def test_a_curvature_is_an_answer_where_the_runner_takes_one(self):
+        class Steers(Controller):
+            def step(self, seen):
+                self.curvature = -0.1 * seen.lateral_offset if seen.lateral_offset else None
+                return seen.heading_error
+
+        beside, on_it = scene(0), scene(0, time=1.1)
+        beside["ego"].update(lateral_offset=2.0, heading_error=0.02)
+        requests = [opened(0), {"step": [beside]}, {"step": [on_it]}]
+        _, (_, *answers) = talk(Steers, requests)
+        self.assertEqual(answers, [{"answer": [{"acceleration": 0.02, "curvature": -0.2}]}, {"answer": [{"acceleration": 0.0}]}])
+        _, (_, (first,), (second,)) = talk(Steers, requests, "f64")
+        self.assertEqual((first, second), ([0.02, -1.0, -0.2], [0.0, -1.0]))
+
+        class Always(Steers):
+            def step(self, seen):
+                self.curvature = 0.1
+                return 0
+
+        older = {**COLUMNS, "lanes": COLUMNS["lanes"][:-2]}
+        with contextlib.redirect_stderr(io.StringIO()):
+            _, (_, refused) = talk(Always, requests[:2], columns=older)
+        self.assertEqual(refused, {"error": [{"slot": 0, "message": "ValueError: this runner takes no curvature"}]})
+
     def test_a_slot_is_used_again_by_another_instance(self):
         class Counts(Controller):
             steps = 0

@@ -265,6 +265,10 @@ pub struct Seen {
     pub amber: bool,
     /// From the near edge of the crossing back to the line at which vehicles stop; NaN without a signal.
     pub stop_line: f64,
+    /// From the middle of its lane to the vehicle, to the left.
+    pub lateral_offset: f64,
+    /// From the direction of its lane to that of the vehicle, to the left, rad.
+    pub heading_error: f64,
     /// How the lane bends within 150 m: distances ahead and the curvature there, ascending. From `curvature` on it changes evenly from
     /// each to the next, and not at all behind the last; two at one distance are a jump.
     pub curvature_ahead: Vec<(f64, f64)>,
@@ -309,11 +313,14 @@ pub struct Answer {
     pub command: Command,
     /// What the controller is up to, as an index of [`About::modes`].
     pub mode: Option<usize>,
+    /// The curvature of the way that the rear axle is to take, to the left, 1/m. Without it the vehicle keeps its lane, or once it was
+    /// steered goes on beside it.
+    pub curvature: Option<f64>,
 }
 
 impl From<Command> for Answer {
     fn from(command: Command) -> Self {
-        Self { command, mode: None }
+        Self { command, mode: None, curvature: None }
     }
 }
 

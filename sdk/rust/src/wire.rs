@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use crate::{About, Answer, Command, Gives, Other, Seen, PLAN_POINTS};
 
-const RUNS: [&str; 21] = [
+const RUNS: [&str; 23] = [
     "slot",
     "time",
     "new",
@@ -28,6 +28,8 @@ const RUNS: [&str; 21] = [
     "gradient",
     "amber",
     "stop_line",
+    "lateral_offset",
+    "heading_error",
 ];
 const CURVATURE_AHEAD: [&str; 3] = ["row", "distance", "curvature"];
 const OTHERS: [&str; 10] = ["row", "id", "x", "y", "vx", "vy", "ax", "ay", "length", "width"];
@@ -59,22 +61,24 @@ pub fn text(value: &Value, into: &mut Vec<u8>) {
     into.extend(text.bytes());
 }
 
-/// Makes a frame of answers.
-pub fn rows<'a>(rows: impl Iterator<Item = &'a Vec<f64>>, into: &mut Vec<u8>) {
+/// Makes a frame of answers. Those that steer are one longer than those that do not.
+pub fn rows<'a>(rows: impl Iterator<Item = &'a Vec<f64>> + Clone, into: &mut Vec<u8>) {
     into.clear();
     into.extend([0; 16]);
-    let (mut count, mut columns) = (0_u32, 0_u32);
+    let (mut count, columns) = (0_u32, rows.clone().map(Vec::len).max().unwrap_or(0));
     for row in rows {
-        (count, columns) = (count + 1, row.len() as u32);
-        row.iter().for_each(|value| into.extend(value.to_le_bytes()));
+        count += 1;
+        let none = std::iter::repeat(&f64::NAN).take(columns - row.len());
+        row.iter().chain(none).for_each(|value| into.extend(value.to_le_bytes()));
     }
+    let columns = columns as u32;
     for (index, value) in [into.len() as u32 - 4, 2, count, columns].into_iter().enumerate() {
         into[4 * index..4 * index + 4].copy_from_slice(&value.to_le_bytes());
     }
 }
 
-/// The row of an answer: its values, then the index of its mode.
-pub fn row(about: &About, answer: &Answer) -> Result<Vec<f64>, String> {
+/// The row of an answer: its values, then the index of its mode, and its curvature if it has one.
+pub fn row(about: &About, answer: &Answer, steers: bool) -> Result<Vec<f64>, String> {
     let mut row = match (&answer.command, about.gives) {
         (Command::Acceleration(value), Gives::Acceleration) | (Command::Speed(value), Gives::Speed) => {
             vec![*value]
@@ -94,6 +98,11 @@ pub fn row(about: &About, answer: &Answer) -> Result<Vec<f64>, String> {
         return Err(format!("mode {:?} of {}", answer.mode, about.modes.len()));
     }
     row.push(answer.mode.map_or(-1.0, |mode| mode as f64));
+    match answer.curvature {
+        None => {}
+        Some(curvature) if steers => row.push(curvature),
+        Some(_) => return Err("it answered a curvature, and this runner takes none".to_string()),
+    }
     Ok(row)
 }
 
@@ -104,6 +113,8 @@ pub struct Tables {
     vehicles: Table,
     /// Of no width where the runner does not know it.
     curvature_ahead: Table,
+    /// Whether the runner takes a curvature.
+    pub steers: bool,
 }
 
 struct Table {
@@ -133,12 +144,14 @@ impl Tables {
     pub fn of(columns: &Value) -> Self {
         // Those of lanes, which are asked for, go on behind.
         let both = ["runs", "lanes"].map(|table| columns[table].as_array().cloned().unwrap_or_default());
+        let steers = both[1].iter().any(|name| name == "lateral_offset");
         let runs = Value::Array(both.concat());
         Self {
             runs: Table::of(&runs, &RUNS),
             pedestrians: Table::of(&columns["pedestrians"], &OTHERS),
             vehicles: Table::of(&columns["vehicles"], &OTHERS),
             curvature_ahead: Table::of(&columns["curvature_ahead"], &CURVATURE_AHEAD),
+            steers,
         }
     }
 
@@ -195,6 +208,8 @@ fn scene(value: impl Fn(usize) -> f64) -> Seen {
         gradient: value(18),
         amber: value(19) == 1.0,
         stop_line: value(20),
+        lateral_offset: value(21),
+        heading_error: value(22),
         curvature_ahead: Vec::new(),
         pedestrians: Vec::new(),
         vehicles: Vec::new(),

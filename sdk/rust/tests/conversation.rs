@@ -39,7 +39,7 @@ impl Controller for Counts {
             self.has_failed = true;
             return Err("no lane".into());
         }
-        Ok(Answer { command: Command::Acceleration(self.steps), mode: Some(0) })
+        Ok(Answer { command: Command::Acceleration(self.steps), mode: Some(0), curvature: None })
     }
 }
 
@@ -159,4 +159,55 @@ fn what_is_not_of_the_kind_that_was_announced_is_an_error() {
     converse::<Gives32>(&about, &said[..], &mut answers).unwrap();
     let last = String::from_utf8_lossy(&answers).into_owned();
     assert!(last.contains("it answered Speed(5.0), but says that it gives Acceleration"), "{last}");
+}
+
+struct Steers;
+
+impl Controller for Steers {
+    fn start(_: &Run) -> Result<Self, String> {
+        Ok(Self)
+    }
+
+    fn step(&mut self, seen: &Seen) -> Result<Answer, String> {
+        let curvature = (seen.lateral_offset != 0.0).then_some(-0.1 * seen.lateral_offset);
+        Ok(Answer { curvature, ..Command::Acceleration(seen.heading_error).into() })
+    }
+}
+
+#[test]
+fn a_curvature_stands_behind_the_mode_where_the_runner_takes_one() {
+    let run = json!({"slot": 0, "seed": 1, "step": 0.025, "parameters": {}, "cruise_speed": 8.0, "vehicle": {"length": 4.5, "width": 1.8},
+        "road": {"lane_width": 4.0, "speed_limit": 8.0, "lanes": [], "kerbs": {"right": -2.0, "left": 2.0},
+            "crossing": {"kind": "zebra", "width": 4.0}, "boxes": []}});
+    let about = About {
+        name: "steers".into(),
+        version: "1".into(),
+        gives: Gives::Acceleration,
+        runs_at_once: 1,
+        modes: vec![],
+        parameters: vec![],
+    };
+    let answered = |lanes: Value, scenes: &[&[f64]]| {
+        let columns = json!({"runs": ["time", "slot"], "lanes": lanes, "pedestrians": [], "vehicles": []});
+        let greeting = json!({"hello": {"protocol": 1, "columns": columns}}).to_string() + "\n";
+        let mut said = [greeting.into_bytes(), text(&json!({"open": [run]}))].concat();
+        for row in scenes {
+            let words = [28 + 8 * row.len() as u32, 1, 1, 0, 0, 0, 0, 0];
+            said.extend(words.iter().flat_map(|word| word.to_le_bytes()));
+            said.extend(row.iter().flat_map(|value| value.to_le_bytes()));
+        }
+        let mut answers = Vec::new();
+        converse::<Steers>(&about, &said[..], &mut answers).unwrap();
+        answers
+    };
+    let row = |values: &[f64]| -> Vec<u8> {
+        let words = [12 + 8 * values.len() as u32, 2, 1, values.len() as u32];
+        let words = words.iter().flat_map(|word| word.to_le_bytes());
+        words.chain(values.iter().flat_map(|value| value.to_le_bytes())).collect()
+    };
+    let known = answered(json!(["heading_error", "lateral_offset"]), &[&[0.5, 0.0, 0.02, 2.0], &[0.6, 0.0, 0.0, 0.0]]);
+    assert!(known.ends_with(&[row(&[0.02, -1.0, -0.2]), row(&[0.0, -1.0])].concat()));
+    // An older one says neither, and its rows have one column less.
+    let older = answered(json!(["heading_error"]), &[&[0.5, 0.0, 0.02]]);
+    assert!(String::from_utf8_lossy(&older).contains("this runner takes none"));
 }

@@ -8,7 +8,7 @@ use crate::source::{Sources, Span};
 use crate::syntax::ast;
 use crate::units::unit_of;
 use scenario::{
-    Answer, DeclaredFmu, Dimension, Notation, Parameter, ParameterKind, SignalEntry, WiredVariable,
+    Answer, DeclaredFmu, Dimension, Notation, Parameter, ParameterKind, STEERS, SignalEntry, WiredVariable,
     input_signals, output_signals,
 };
 
@@ -47,7 +47,7 @@ pub fn wired(
     let mut outputs: Vec<WiredVariable> = Vec::new();
     for said in block.outputs() {
         let (name, wire) = (said.signal(), (said.variable(), said.unit()));
-        match given.iter().find(|known| known.name == name.text()) {
+        match given.iter().chain([&STEERS]).find(|known| known.name == name.text()) {
             Some(known) if outputs.iter().any(|other| other.name == known.name) => {
                 wiring.wrong(name.span(), format!("`{}` is said twice", known.name), "remove one of them");
             }
@@ -55,7 +55,7 @@ pub fn wired(
             None => wiring.unknown(
                 name,
                 &format!("is given by a controller that gives `{}`", gives.word()),
-                given.iter().map(|known| known.name),
+                given.iter().chain([&STEERS]).map(|known| known.name),
             ),
         }
     }

@@ -189,7 +189,10 @@ impl Meter for ImpactPoint {
         let part = (contact.time - step.time) / step.duration;
         let car = &step.after.vehicles[vehicle];
         let travelled = lerp(step.before.vehicles[vehicle].motion.travelled, car.motion.travelled, part);
-        let (centre, ahead) = (car.path.point(travelled), car.path.heading(travelled));
+        let (centre, ahead) = match car.steered {
+            None => (car.path.point(travelled), car.path.heading(travelled)),
+            Some(_) => step.before.vehicles[vehicle].between(car, part).pose(),
+        };
         let (before, person) = (&step.before.pedestrians[pedestrian], &step.after.pedestrians[pedestrian]);
         let place = before.position.lerp(&person.position, part);
         let left = Vector2::new(-ahead.y, ahead.x);
@@ -210,8 +213,8 @@ impl Meter for ImpactPoint {
         }
         let reference = place + person.heading * self.reference;
         let beyond = match self.side {
-            Some(side) => car.path.beyond(reference, side),
-            None => self.way.dot(&left).signum() * (reference - centre).dot(&left),
+            Some(side) if car.steered.is_none() => car.path.beyond(reference, side),
+            _ => self.way.dot(&left).signum() * (reference - centre).dot(&left),
         };
         self.found = Some(0.5 + beyond / car.width);
     }
@@ -313,12 +316,12 @@ impl Meter for MinDistance {
 
 /// The centre of a vehicle (m) and the unit vector in which it drives.
 fn pose(car: &VehicleState) -> (Vector2<f64>, Vector2<f64>) {
-    car.path.pose(car.motion.travelled)
+    car.pose()
 }
 
 /// How far turning alone from one heading to another takes a corner of a vehicle on a bend, at most, m.
 fn turned(car: &VehicleState, before: Vector2<f64>, after: Vector2<f64>) -> f64 {
-    if car.path.course().is_none() {
+    if car.keeps_straight() {
         return 0.0;
     }
     (after - before).norm() * libm::hypot(car.length, car.width) / 2.0
@@ -332,6 +335,9 @@ fn smallest_inside(
 ) -> (f64, f64) {
     let mut vehicle = car.clone();
     let mut at = |part: f64| {
+        if car.steered.is_some() {
+            vehicle = old_car.between(car, part);
+        }
         vehicle.motion.travelled =
             old_car.motion.travelled + part * (car.motion.travelled - old_car.motion.travelled);
         let person = PedestrianState { position: old.position.lerp(&new.position, part), ..*new };

@@ -150,6 +150,7 @@ fn snapshot(world: &World, car: &Profile, walk: &Walk, time: f64) -> Snapshot {
             path: world.road.path(setup.lane),
             length: setup.length,
             width: setup.width,
+            steered: None,
         }],
         pedestrians: vec![PedestrianState {
             position,

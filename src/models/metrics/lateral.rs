@@ -1,4 +1,4 @@
-//! How hard a vehicle takes the bends of its lane.
+//! How hard a vehicle takes the bends of its lane, and of its way where it is steered.
 
 use scenario::{Absence, Declaration, Dimension, Metric, MetricKind, MetricRange, Scope, Worst};
 use sim::Step;
@@ -7,9 +7,9 @@ use sim::measure::{Encounters, Meter, meters};
 pub fn lateral_acceleration() -> Metric {
     let declaration = Declaration::new(
         "lateral_acceleration",
-        "Largest acceleration of the vehicle to its side, as the bends of its lane and its speed make it; 0 on straight roads.",
+        "Largest acceleration of the vehicle to its side, as the bends of its lane, or where it is steered those of its way, and its speed make it; 0 where it goes straight on.",
     )
-    .source("|k| v^2 of the tightest bend k that the point which follows the lane (the centre, or what the vehicle says) passes in a step, and the larger of the speeds at both ends");
+    .source("|k| v^2 of the tightest bend k that the point which follows the lane (the centre, or what the vehicle says) passes in a step, and the larger of the speeds at both ends; of a vehicle that is steered the larger curvature at both ends, of the way of its rear axle");
     Metric {
         declaration,
         kind: MetricKind::Quantity(Dimension::ACCELERATION),
@@ -37,7 +37,13 @@ impl Meter for LateralAcceleration {
         let car = &step.after.vehicles[self.vehicle];
         let before = step.before.vehicles[self.vehicle].motion;
         // A bend may begin and end within a step.
-        let bend = car.path.tightest_followed((before.travelled, car.motion.travelled));
+        let bend = match &car.steered {
+            None => car.path.tightest_followed((before.travelled, car.motion.travelled)),
+            Some(steered) => {
+                let first = step.before.vehicles[self.vehicle].steered.map_or(0.0, |first| first.curvature);
+                first.abs().max(steered.curvature.abs())
+            }
+        };
         let speed = before.speed.max(car.motion.speed);
         if bend * speed * speed > *largest {
             *largest = bend * speed * speed;

@@ -22,7 +22,7 @@ impl Prediction {
     /// Time to collision from the end of the step on, s.
     fn time(self, encounter: &Encounter, car: &VehicleState, person: &PedestrianState) -> Option<f64> {
         match self {
-            Self::Straight if car.path.course().is_some() => {
+            Self::Straight if !car.keeps_straight() => {
                 first_contact(car, person, person.velocity - car.velocity())
             }
             _ => encounter.time_to_collision,
@@ -239,6 +239,7 @@ mod tests {
             path: Path::straight(0.0, Direction::Forward),
             length: 4.0,
             width: 1.5,
+            steered: None,
         };
         let person = PedestrianState {
             position: Vector2::new(2.0 + gap + 0.25, offset),

@@ -334,6 +334,7 @@ mod tests {
             path: Path::straight(0.0, Direction::Forward),
             length: 4.9,
             width: 2.1,
+            steered: None,
         }
     }
 

@@ -54,6 +54,7 @@ impl Walk {
             path: Path::straight(0.0, Direction::Forward),
             length: 4.514,
             width: 2.007,
+            steered: None,
         });
     }
 

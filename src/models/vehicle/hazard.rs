@@ -88,6 +88,8 @@ mod tests {
             width: 2.0,
             travelled: 0.0,
             curvature: 0.0,
+            lateral_offset: 0.0,
+            heading_error: 0.0,
         }
     }
 

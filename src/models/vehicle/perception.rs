@@ -203,6 +203,16 @@ struct Sight {
     path: Path,
 }
 
+/// Where the vehicle is with its sensor.
+struct SensedFrom {
+    /// As [`Observation`] says it, m.
+    travelled: f64,
+    /// m
+    offset: f64,
+    /// rad
+    angle: f64,
+}
+
 /// Who is hidden by what moves.
 struct Hiding {
     /// Of the sensor behind the front bumper, m.
@@ -229,7 +239,11 @@ const TIME_TOLERANCE: f64 = 1e-9;
 
 impl Sight {
     /// Whether a place is in view of a sensor `ahead` m before the ego's centre; ego and place relative to the crossing.
-    fn sees(&self, ego: Vector2<f64>, ahead: f64, place: Vector2<f64>) -> bool {
+    fn sees(&self, ego: &SensedFrom, ahead: f64, place: Vector2<f64>) -> bool {
+        if ego.angle != 0.0 || ego.offset != 0.0 {
+            return self.sees_from_beside(ego, ahead, place);
+        }
+        let ego = Vector2::new(ego.travelled, 0.0);
         if self.path.course().is_some() {
             return self.sees_in_a_bend(ego, ahead, place);
         }
@@ -237,6 +251,24 @@ impl Sight {
         let line = place - sensor;
         line.norm() <= self.range
             && libm::atan2(line.y, line.x).abs() <= self.half_angle
+            && !self.boxes.iter().any(|outline| outline.is_crossed(sensor, line))
+    }
+
+    /// The same from beside the lane, at an angle to it.
+    fn sees_from_beside(&self, ego: &SensedFrom, ahead: f64, place: Vector2<f64>) -> bool {
+        let bends = self.path.course().is_some();
+        let lane = |ego: &SensedFrom| {
+            let heading = Vector2::new(libm::cos(ego.angle), libm::sin(ego.angle));
+            (Vector2::new(ego.travelled, ego.offset), heading)
+        };
+        let (centre, heading) = match bends {
+            true => self.path.pose_beside(ego.travelled, ego.offset, ego.angle),
+            false => lane(ego),
+        };
+        let sensor = centre + heading * ahead;
+        let line = if bends { self.path.to_world(place) } else { place } - sensor;
+        line.norm() <= self.range
+            && libm::atan2(heading.perp(&line), heading.dot(&line)).abs() <= self.half_angle
             && !self.boxes.iter().any(|outline| outline.is_crossed(sensor, line))
     }
 
@@ -299,7 +331,10 @@ impl Blur {
 impl Perceiving {
     /// Takes down what is perceived now.
     fn note(&mut self, observation: &Observation) {
-        let ego = Vector2::new(observation.ego.travelled, 0.0);
+        let own = observation.ego;
+        let from =
+            SensedFrom { travelled: own.travelled, offset: own.lateral_offset, angle: own.heading_error };
+        let ego = Vector2::new(own.travelled, 0.0);
         let ahead = observation.ego.length / 2.0 - self.sight.setback;
         self.newest = (self.newest + 1) % self.frames.len();
         let frame = &mut self.frames[self.newest];
@@ -309,7 +344,7 @@ impl Perceiving {
             let place = seen.position + ego;
             let lost = &mut self.lost_pedestrians[seen.id];
             let hidden = self.hiding.as_ref().is_some_and(|hiding| hiding.pedestrians[seen.id]);
-            if !hidden && self.sight.sees(ego, ahead, place) && !self.blur.loses(observation.time, lost) {
+            if !hidden && self.sight.sees(&from, ahead, place) && !self.blur.loses(observation.time, lost) {
                 let position = place + self.blur.noise(self.blur.position_noise);
                 let velocity = seen.velocity + self.blur.noise(self.blur.velocity_noise);
                 frame.pedestrians.push(SeenPedestrian { position, velocity, ..*seen });
@@ -320,7 +355,7 @@ impl Perceiving {
             let place = seen.position + ego;
             let lost = &mut self.lost_vehicles[seen.id];
             let hidden = self.hiding.as_ref().is_some_and(|hiding| hiding.vehicles[seen.id]);
-            if !hidden && self.sight.sees(ego, ahead, place) && !self.blur.loses(observation.time, lost) {
+            if !hidden && self.sight.sees(&from, ahead, place) && !self.blur.loses(observation.time, lost) {
                 let position = place + self.blur.noise(self.blur.position_noise);
                 let velocity = seen.velocity + self.blur.noise(self.blur.velocity_noise);
                 frame.vehicles.push(SeenVehicle { position, velocity, ..*seen });

@@ -70,6 +70,8 @@ impl Track {
                 width,
                 travelled: -1e6,
                 curvature: 0.0,
+                lateral_offset: 0.0,
+                heading_error: 0.0,
             },
             cruise_speed: CRUISE,
             road: RoadView {

@@ -11,7 +11,7 @@ use super::panic::{Panicked, in_case};
 use numbers::random::ranks;
 use scenario::{DeclaredProgram, Delay, SignalState, VehicleSetup, World};
 use sim::random::{Agent, Purpose, stream};
-use sim::{Course, Fault, Progress, StopReason};
+use sim::{Course, Fault, Progress, SteeredOrder, StopReason};
 use under_test::{AcquiredProcesses, Answered, Decision, DueDecision, FaultKind, Opened, ProgramFault};
 
 /// A run under way.
@@ -385,7 +385,7 @@ impl ProgramRun {
 
     /// Takes a program's answer, which took `time`; how the run ended if it did.
     pub fn decide(&mut self, request: &SlotRequest, answer: Answered, time: Duration) -> Option<StageEnd> {
-        let Decision { order, mode, speed: _ } = match answer {
+        let Decision { order, mode, curvature, speed: _ } = match answer {
             Ok(decision) => decision,
             Err(fault) => return Some(self.fault(request.vehicle, fault)),
         };
@@ -396,12 +396,12 @@ impl ProgramRun {
             Delay::Fixed(delay) => delay,
             Delay::Measured => (time.as_secs_f64() / step).ceil() * step,
         };
-        let vehicle = request.vehicle;
+        let (vehicle, orders) = (request.vehicle, SteeredOrder { along: order, curvature });
         if self.job.wanted != Wanted::Outcome && matches!(self.stage, Stage::Run(_)) {
             let time = self.asked(request).seen.time;
-            self.decisions.push(LoggedDecision { vehicle, time, values: order.values() });
+            self.decisions.push(LoggedDecision { vehicle, time, values: orders.values() });
         }
-        let decided = self.course()?.decide_later(vehicle, order, delay, mode);
+        let decided = self.course()?.decide_later(vehicle, orders, delay, mode);
         decided.err().map(|fault| self.faulted(fault))
     }
 

@@ -6,6 +6,7 @@ mod mode;
 mod model_error;
 mod schedule;
 mod state;
+mod steered;
 
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
@@ -18,6 +19,7 @@ pub use mode::Mode;
 pub use model_error::{ModelError, Stated, StatedBy};
 pub use schedule::Schedule;
 pub use state::{Longitudinal, PedestrianState, Snapshot, VehicleState, velocity_inside};
+pub use steered::Steered;
 
 /// A pedestrian model. It sees states as they are now, never the future or another's internals.
 pub trait Pedestrian: Send {
@@ -119,6 +121,15 @@ pub trait Controller: Send {
     /// Whatever keeps it from deciding. The run ends there, and is neither a pass nor a failure.
     fn act(&mut self, observation: &Observation) -> Result<Command, ControllerError>;
 
+    /// Asked after each decision: the curvature (1/m, to the left) of the way that its vehicle's rear axle is to take until the next
+    /// one. `None`: it does not steer.
+    ///
+    /// Who never steers follows the lane exactly. From the first curvature on the vehicle is where it was steered to; without one it
+    /// then goes on beside its lane, at the angle to it that it has.
+    fn curvature(&self) -> Option<f64> {
+        None
+    }
+
     /// What it is up to, such as `emergency_stop`; shown in traces and timelines.
     fn mode(&self) -> Mode {
         Mode::NONE
@@ -173,10 +184,16 @@ pub struct EgoState {
     /// Of its lane at the point of it that follows that, to the left, 1/m.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub curvature: f64,
+    /// How far the point of it that follows its lane is to the left of it, m: 0 where nobody has steered.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub lateral_offset: f64,
+    /// From the direction of its lane there to its own, to the left, rad: 0 where nobody has steered.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub heading_error: f64,
 }
 
-fn is_zero(curvature: &f64) -> bool {
-    *curvature == 0.0
+fn is_zero(number: &f64) -> bool {
+    *number == 0.0
 }
 
 /// How far ahead vehicles are told how their lanes bend, m.

@@ -3,6 +3,7 @@
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
+use super::steered::Steered;
 use crate::{Path, Shape, VehicleReference};
 
 /// A vehicle as anyone may see it.
@@ -17,6 +18,9 @@ pub struct VehicleState {
     pub length: f64,
     /// m
     pub width: f64,
+    /// Where it is since its controller steers it; `None`: on its path.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub steered: Option<Steered>,
 }
 
 /// Motion along a path.
@@ -52,31 +56,78 @@ impl VehicleState {
     /// The centre in the world frame.
     #[inline]
     pub fn position(&self) -> Vector2<f64> {
-        self.path.point(self.motion.travelled)
+        match &self.steered {
+            None => self.path.point(self.motion.travelled),
+            Some(steered) => steered.centre,
+        }
     }
 
     /// In the world frame, m/s.
     #[inline]
     pub fn velocity(&self) -> Vector2<f64> {
-        self.path.velocity(self.motion.travelled, self.motion.speed)
+        match &self.steered {
+            None => self.path.velocity(self.motion.travelled, self.motion.speed),
+            Some(steered) => steered.velocity(self.motion.speed),
+        }
     }
 
-    /// Unit vector in which it drives.
+    /// Unit vector in which it points.
     #[inline]
     pub fn heading(&self) -> Vector2<f64> {
-        self.path.heading(self.motion.travelled)
+        match &self.steered {
+            None => self.path.heading(self.motion.travelled),
+            Some(steered) => steered.heading,
+        }
+    }
+
+    /// The centre in the world frame, and the unit vector in which it points.
+    #[inline]
+    pub fn pose(&self) -> (Vector2<f64>, Vector2<f64>) {
+        match &self.steered {
+            None => self.path.pose(self.motion.travelled),
+            Some(steered) => (steered.centre, steered.heading),
+        }
+    }
+
+    /// Whether it drives on a straight lane and nobody steers it: its outline then lies along the x axis of the world.
+    #[inline]
+    pub fn keeps_straight(&self) -> bool {
+        self.steered.is_none() && self.path.course().is_none()
+    }
+
+    /// The same vehicle after a `part` of the way from here to where it is `after`.
+    pub fn between(&self, after: &Self, part: f64) -> Self {
+        let mix = |from: f64, to: f64| from + part * (to - from);
+        let mut between = after.clone();
+        between.motion.travelled = mix(self.motion.travelled, after.motion.travelled);
+        between.motion.speed = mix(self.motion.speed, after.motion.speed);
+        if let Some(to) = &after.steered {
+            let from = self.steered.unwrap_or_else(|| {
+                let (centre, heading) = self.pose();
+                let curvature = self.path.curvature(self.motion.travelled);
+                Steered { centre, heading, curvature, offset: 0.0, heading_error: 0.0, ..*to }
+            });
+            between.steered = Some(from.between(to, part));
+        }
+        between
     }
 
     /// A vector of the world frame as it is seen from the vehicle: x ahead, y to the left.
     #[inline]
     pub fn turned(&self, vector: Vector2<f64>) -> Vector2<f64> {
-        self.path.turned(self.motion.travelled, vector)
+        match &self.steered {
+            None => self.path.turned(self.motion.travelled, vector),
+            Some(steered) => steered.turned(vector),
+        }
     }
 
     /// The other way round: what is seen from the vehicle, in the world frame.
     #[inline]
     pub fn turned_back(&self, vector: Vector2<f64>) -> Vector2<f64> {
-        self.path.turned_back(self.motion.travelled, vector)
+        match &self.steered {
+            None => self.path.turned_back(self.motion.travelled, vector),
+            Some(steered) => steered.turned_back(vector),
+        }
     }
 
     /// Distance that a part of the vehicle still has to go to a place on its path; negative once past it, m.

@@ -146,6 +146,14 @@ impl Piece {
         self.from.abs().max(self.to.abs())
     }
 
+    /// Where it leads from a point (m) and a unit vector: to its end.
+    pub fn followed_from(&self, point: Vector2<f64>, heading: Vector2<f64>) -> (Vector2<f64>, Vector2<f64>) {
+        let led = turned_onto(self.led(0.0, self.length), heading);
+        let ahead = turned_onto(unit(self.turned(self.length)), heading);
+        // Again and again the length of a unit vector would drift.
+        (point + led, ahead.try_normalize(0.0).unwrap_or(heading))
+    }
+
     /// How its curvature changes, 1/m².
     pub(super) fn change(&self) -> f64 {
         if self.from == self.to { 0.0 } else { (self.to - self.from) / self.length }

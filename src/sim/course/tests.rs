@@ -1,6 +1,7 @@
 //! Runs with simple road users, whoever decides for them.
 
 use super::*;
+use crate::Order;
 use crate::road_users::{Driven, Driver};
 use crate::{SpeedPlan, fixture};
 use scenario::agent::{Controller, Dynamics, Longitudinal, ModelError, Pedestrian, Schedule};

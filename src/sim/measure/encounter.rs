@@ -3,11 +3,13 @@
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
+use super::events::{Passing, Visit, half_extent, lerp, rising};
 use super::passage::Passage;
+use super::steered_pair::{SteeredWay, WalkedWay};
 use crate::geometry::Footprint;
 use crate::turning::touched_between;
 use crate::{PedestrianState, Solid, Step, VehicleState, contact_with};
-use scenario::{Appearance, Located, Shape, Side, World};
+use scenario::{Appearance, Located, Side, VehicleSetup, World};
 
 /// The encounters of every vehicle with every pedestrian of a run.
 pub struct Encounters {
@@ -19,6 +21,10 @@ pub struct Encounters {
     pedestrians: usize,
     /// Which pedestrians are sent to meet a vehicle.
     sent: Vec<bool>,
+    /// The ways of vehicles that may be steered; `None` of the others.
+    steered: Vec<Option<SteeredWay>>,
+    /// Those of pedestrians, where a vehicle may be steered.
+    walked: Vec<WalkedWay>,
     /// Touches of a vehicle and another or a box, in order.
     others: Vec<(usize, Solid, Contact)>,
 }
@@ -86,30 +92,6 @@ pub struct Contact {
     pub relative_velocity: Vector2<f64>,
 }
 
-/// A pedestrian's centre passes the centre line of a vehicle's lane.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Passing {
-    /// s
-    pub time: f64,
-    /// The conflict point, as a distance along the vehicle's lane behind the middle of the crossing, m.
-    pub place: f64,
-    /// Whether they pass it from the side that they started from.
-    pub towards_goal: bool,
-}
-
-/// A stay of a pedestrian's footprint in what a vehicle's footprint sweeps.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Visit {
-    /// s
-    pub from: f64,
-    /// s; infinite while it lasts.
-    pub to: f64,
-    /// Extent of the footprint along the vehicle's lane over the visit, m.
-    pub low: f64,
-    /// The other end of that extent, m.
-    pub high: f64,
-}
-
 /// A pedestrian's centre comes into a vehicle's lane.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Entry {
@@ -165,6 +147,11 @@ impl Encounters {
                 .iter()
                 .map(|one| matches!(one.appears, Appearance::Meeting { .. }))
                 .collect(),
+            steered: world.vehicles.iter().map(|car| car.may_steer().then(SteeredWay::default)).collect(),
+            walked: match world.vehicles.iter().any(VehicleSetup::may_steer) {
+                true => vec![WalkedWay::default(); pedestrians],
+                false => Vec::new(),
+            },
             others: Vec::new(),
         }
     }
@@ -253,11 +240,41 @@ impl Encounters {
             self.fastest[index] = self.fastest[index].max(before.motion.speed).max(after.motion.speed);
             passage.observe((step.time, before.motion.travelled), (end, after.motion.travelled));
         }
+        if !self.walked.is_empty() {
+            self.follow_ways(step);
+        }
         for (index, pair) in self.pairs.iter_mut().enumerate() {
             let (vehicle, pedestrian) = (index / self.pedestrians, index % self.pedestrians);
             if step.before.pedestrians[pedestrian].present {
                 pair.observe(step, vehicle, pedestrian);
                 pair.look_for_meeting(step, (vehicle, self.fastest[vehicle]), pedestrian);
+            }
+        }
+    }
+
+    /// Where everybody is, if a vehicle may be steered.
+    fn follow_ways(&mut self, step: &Step) {
+        for (index, way) in self.steered.iter_mut().enumerate() {
+            let Some(way) = way else { continue };
+            for state in [step.before, step.after] {
+                way.observe(&state.vehicles[index]);
+            }
+        }
+        for (index, way) in self.walked.iter_mut().enumerate() {
+            if step.before.pedestrians[index].present {
+                way.observe(step, index);
+            }
+        }
+    }
+
+    /// The run is over: what is known of vehicles that were steered by their way as a whole.
+    pub fn end(&mut self) {
+        for (index, pair) in self.pairs.iter_mut().enumerate() {
+            let (vehicle, pedestrian) = (index / self.pedestrians, index % self.pedestrians);
+            let way = self.steered[vehicle].as_ref().filter(|way| way.was_steered());
+            if let Some(way) = way.filter(|_| pair.crosses) {
+                pair.passings = self.walked[pedestrian].passings(way, pair.side);
+                pair.visits = self.walked[pedestrian].visits(way);
             }
         }
     }
@@ -403,40 +420,19 @@ impl Encounter {
 #[inline]
 pub fn strip(car: &VehicleState, place: &Located) -> (f64, f64) {
     let half = car.width / 2.0;
+    if let Some(steered) = &car.steered {
+        // The strip of the lane that its outline is over now.
+        let (error, ahead) = (steered.heading_error, car.length / 2.0);
+        let reach = half * libm::cos(error).abs() + ahead * libm::sin(error).abs();
+        let left = car.path.locate(steered.centre).left();
+        let (right, left) = (reach - left, reach + left);
+        return place.borders(right, left);
+    }
     if car.path.course().is_none() {
         return (-half, half);
     }
     let (right, left) = car.path.swept(place.along, (car.length, car.width));
     place.borders(right, left)
-}
-
-/// Half the extent of a footprint along a path and across it, m, where it is.
-#[inline]
-pub fn half_extent(person: &PedestrianState, place: &Located) -> Vector2<f64> {
-    half_extent_along(person, place.heading)
-}
-
-/// Half the extent of a footprint along a direction and across it, m.
-#[inline]
-pub fn half_extent_along(person: &PedestrianState, direction: Vector2<f64>) -> Vector2<f64> {
-    match person.shape {
-        Shape::Disc { radius } => Vector2::new(radius, radius),
-        Shape::Rectangle { length, width } => {
-            let forward = direction.dot(&person.heading).abs();
-            let sideways = direction.perp(&person.heading).abs();
-            Vector2::new(length * forward + width * sideways, length * sideways + width * forward) / 2.0
-        }
-    }
-}
-
-/// The value at a share `part` (0..1) of the way from one value to another.
-pub fn lerp(from: f64, to: f64, part: f64) -> f64 {
-    from + part * (to - from)
-}
-
-/// The share of a step after which a rising quantity reaches `line`.
-pub fn rising(before: f64, after: f64, line: f64) -> Option<f64> {
-    (before < line && after >= line).then(|| (line - before) / (after - before))
 }
 
 /// The part of the way from `from` to `to` that lies inside two borders, as shares of the way.

@@ -189,6 +189,7 @@ impl Observer for Measurement {
     }
 
     fn end(&mut self, ending: &Ending, last: &Snapshot) {
+        self.encounters.end();
         self.contact = ending.reason == StopReason::Collision;
         self.cut_off = (ending.reason != StopReason::Completed).then(|| (ending.time, last.clone()));
     }

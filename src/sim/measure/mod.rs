@@ -3,8 +3,10 @@
 //! What each metric that ships means stands beside the models; here is what all of them are read off.
 
 mod encounter;
+mod events;
 mod measurement;
 mod passage;
+mod steered_pair;
 
 use serde::{Deserialize, Serialize};
 
@@ -13,9 +15,9 @@ use numbers::json;
 use scenario::{Absence, Meters, Scope, Settings, World, Worst};
 
 pub use encounter::{
-    Contact, Encounter, Encounters, Entry, LaneCrossing, MEETING_TIME, Passing, Presence, Visit, half_extent,
-    half_extent_along, lerp, part_within, rising, strip,
+    Contact, Encounter, Encounters, Entry, LaneCrossing, MEETING_TIME, Presence, part_within, strip,
 };
+pub use events::{Passing, Visit, half_extent, half_extent_along, lerp, rising};
 pub use measurement::{Measurement, Reading, SubjectValue};
 pub use passage::{Passage, Reached};
 

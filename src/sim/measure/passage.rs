@@ -32,6 +32,8 @@ impl Passage {
         if self.knots.is_empty() {
             self.knots.push(from);
         }
+        // Where a vehicle is steered back, the places that it comes by again were reached before.
+        let to = (to.0, self.knots.last().map_or(to.1, |last| to.1.max(last.1)));
         match self.knots.as_mut_slice() {
             [.., before, last] if before.1 == last.1 && last.1 == to.1 => last.0 = to.0,
             _ => self.knots.push(to),

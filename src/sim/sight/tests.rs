@@ -194,6 +194,7 @@ fn people_look_over_cars_and_past_people_but_not_over_buses_and_boxes() {
         path: Path::straight(y, Direction::Forward),
         length,
         width: 1.8,
+        steered: None,
     };
     let sees = |road: &scenario::Road, vehicles: &[VehicleState]| {
         let goal = scenario::Position { x: 0.0, y: 8.0 };

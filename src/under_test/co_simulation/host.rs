@@ -272,8 +272,10 @@ impl Host<'_> {
             said.extend_from_slice(&(number as u32).to_le_bytes());
         }
         for (.., answer) in answers {
+            let (own, curvature) = answer.split_at(answer.len() - usize::from(self.plan.steers()));
             // No mode.
-            answer.iter().chain([&-1.0]).for_each(|value| said.extend_from_slice(&value.to_le_bytes()));
+            let row = own.iter().chain([&-1.0]).chain(curvature);
+            row.for_each(|value| said.extend_from_slice(&value.to_le_bytes()));
         }
         streams.answer(&said)
     }

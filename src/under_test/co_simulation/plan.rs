@@ -7,7 +7,7 @@ use serde_json::{Value as Json, json};
 use super::wired::Wired;
 use super::wiring::FmuWiring;
 use crate::hello::PROTOCOL;
-use scenario::DeclaredProgram;
+use scenario::{DeclaredProgram, STEERS};
 
 /// Runs that a process takes at once; each has an instance of its own.
 const AT_ONCE: usize = 16;
@@ -22,11 +22,18 @@ pub struct FmuPlan {
     pub period: Option<f64>,
     /// By the place of the signal in [`scenario::input_signals`].
     pub inputs: Vec<(usize, Wired)>,
-    /// In the order of the answer.
+    /// In the order of the answer, the curvature last if there is one.
     pub outputs: Vec<Wired>,
     pub parameters: Vec<Wired>,
     /// What it says of itself.
     pub hello: Json,
+}
+
+impl FmuPlan {
+    /// Whether the unit steers.
+    pub fn steers(&self) -> bool {
+        self.outputs.last().is_some_and(|last| last.name == STEERS.name)
+    }
 }
 
 /// The plan for a unit.

@@ -14,7 +14,7 @@ const FROM_RUNS: usize = SEEN.len() - 3;
 const SIGNAL: usize = 11;
 
 /// Where the gradient is, amber and the stop line behind it.
-const GRADIENT: usize = FROM_RUNS - 3;
+const GRADIENT: usize = FROM_RUNS - 5;
 
 /// Who is ahead.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -7,7 +7,9 @@ use serde_json::{Value as Json, json};
 
 use super::wired::Wired;
 use crate::start::{StartError, StartProblem};
-use scenario::{DeclaredFmu, DeclaredProgram, Dimension, WiredVariable, input_signals, output_signals};
+use scenario::{
+    DeclaredFmu, DeclaredProgram, Dimension, STEERS, WiredVariable, input_signals, output_signals,
+};
 
 /// By which two that say the same may differ, since they say it in other words.
 const TOLERANCE: f64 = 1e-9;
@@ -17,7 +19,7 @@ const TOLERANCE: f64 = 1e-9;
 pub struct FmuWiring {
     /// By the place of the signal.
     pub inputs: Vec<(usize, Wired)>,
-    /// In the order of the answer.
+    /// In the order of the answer, the curvature last if there is one.
     pub outputs: Vec<Wired>,
     pub parameters: Vec<Wired>,
     /// What the unit says of its parameters, and of inputs that nobody wires.
@@ -73,7 +75,7 @@ pub fn wiring(
         let wanted = if signals[place].1.is_flag { Wanted::Flag } else { Wanted::Input };
         found.inputs.extend(wired(wire, wanted, &mut wrong).map(|(_, wired)| (place, wired)));
     }
-    for known in output_signals(program.gives) {
+    for known in output_signals(program.gives).iter().chain([&STEERS]) {
         for wire in declared.outputs.iter().filter(|wire| wire.name == known.name) {
             found.outputs.extend(wired(wire, Wanted::Output, &mut wrong).map(|(_, wired)| wired));
         }

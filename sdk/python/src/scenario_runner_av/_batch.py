@@ -16,12 +16,14 @@ def _attributes(own, columns, rows, kinds):
 class Batch:
     """Columns of runs, an element a run: `slot`, `time`, `new`, `speed`, …, as in `Seen`. `signal` is 1, 0 or NaN (there is none).
 
-    `mode` holds -1 and takes indices of `modes`.
+    `mode` holds -1 and takes indices of `modes`. `steering` holds NaN and takes the curvature of the way that the rear axle is to take, to the
+    left, 1/m.
     """
 
     def __init__(self, runs, pedestrians, vehicles, changes=()):
         _attributes(self, RUN_COLUMNS, runs, {"slot": numpy.intp, "new": bool, "pedestrian_priority": bool})
         self.mode = numpy.full(len(self.slot), -1.0)
+        self.steering = numpy.full(len(self.slot), numpy.nan)
         self.pedestrians = Others(PEDESTRIAN_COLUMNS, pedestrians, len(self))
         self.vehicles = Others(VEHICLE_COLUMNS, vehicles, len(self))
         self.curvature_ahead = Others(CURVATURE_COLUMNS, changes, len(self))

@@ -31,6 +31,8 @@ class Controller(_Told):
     """How many runs the program may be asked for in one request."""
     mode = None
     """What it is up to, one of `modes`; set it in `step`."""
+    curvature = None
+    """Of the way that the rear axle is to take, to the left, 1/m; set it in `step`. None keeps the lane, or once it was steered goes on beside it."""
 
     def start(self, run):
         """A run begins: a `Run`. An exception is an error of that run."""

@@ -27,18 +27,22 @@ def message_of(error):
     return f"{type(error).__name__}: {error}".splitlines()[0]
 
 
-def host_of(controller, runs_at_once, make, is_parent=False):
-    """Whoever puts a class to work, of which `make` makes an object."""
+def host_of(controller, runs_at_once, make, is_parent=False, steers=True):
+    """Whoever puts a class to work, of which `make` makes an object; `steers` says whether the runner takes a curvature."""
     if issubclass(controller, VectorController):
-        return VectorHost(controller, runs_at_once, make, is_parent)
-    return ObjectHost(controller, runs_at_once, make)
+        return VectorHost(controller, runs_at_once, make, is_parent, steers)
+    return ObjectHost(controller, runs_at_once, make, steers)
+
+
+_NOT_TAKEN = "this runner takes no curvature"
 
 
 class ObjectHost:
     """Has an instance for each run."""
 
-    def __init__(self, controller, runs_at_once, make):
+    def __init__(self, controller, runs_at_once, make, steers):
         self.make = make
+        self.steers = steers
         self.runs = [None] * runs_at_once
         # What was decided together with a run that was refused: the runner asks for it again, and nobody decides twice.
         self.decided = {}
@@ -56,7 +60,7 @@ class ObjectHost:
         self.runs[run.slot] = instance
 
     def step(self, runs, pedestrians, vehicles, changes=()):
-        """Rows of answers, with the index of the mode."""
+        """Rows of answers, with the index of the mode, and the curvature if anybody steers."""
         decided, refused, answers = self.decided, [], []
         for seen in scenes_of(runs, pedestrians, vehicles, changes):
             known = decided.get(seen.slot)
@@ -68,6 +72,11 @@ class ObjectHost:
                 answer = self.row(instance.step(seen))
                 mode = instance.mode
                 answer.append(-1.0 if mode is None else self.mode(mode))
+                curvature = instance.curvature
+                if self.steers:
+                    answer.append(NAN if curvature is None else float(curvature))
+                elif curvature is not None:
+                    raise ValueError(_NOT_TAKEN)
                 answers.append(answer)
             except Exception as error:
                 answers.append(None)
@@ -78,6 +87,9 @@ class ObjectHost:
             raise Refused(refused)
         if decided:
             self.decided = {}
+        if self.steers and all(answer[-1] != answer[-1] for answer in answers):
+            # Nobody steers: as it was before anybody could.
+            return [answer[:-1] for answer in answers]
         return answers
 
     def mode(self, word):
@@ -98,8 +110,10 @@ class ObjectHost:
 class VectorHost:
     """Has one instance, whose state stands in arrays by slot."""
 
-    def __init__(self, controller, runs_at_once, make, is_parent):
+    def __init__(self, controller, runs_at_once, make, is_parent, steers):
         import numpy
+
+        self.steers = steers
 
         self.numpy = numpy
         self.is_parent = is_parent
@@ -119,12 +133,12 @@ class VectorHost:
         self.instance.start(run)
 
     def step(self, runs, pedestrians, vehicles, changes=()):
-        """An array of answers, with the index of the mode."""
+        """An array of answers, with the index of the mode, and the curvature if anybody steers."""
         from ._batch import Batch
 
         numpy = self.numpy
         batch = Batch(runs, pedestrians, vehicles, changes)
-        rows = numpy.full((len(batch), self.width + 1), NAN)
+        rows = numpy.full((len(batch), self.width + 1 + self.steers), NAN)
         try:
             answer = numpy.asarray(self.instance.step(batch), dtype=float)
             if answer.shape == (len(batch),):
@@ -133,6 +147,8 @@ class VectorHost:
                 raise ValueError(f"`step` gave an array of shape {answer.shape} for {len(batch)} runs")
             if answer.shape[1] != self.width and not (self.width == 2 * PLAN_POINTS and 2 <= answer.shape[1] < self.width):
                 raise ValueError(f"`step` gave {answer.shape[1]} columns, where {self.width} were due")
+            if not self.steers and not numpy.isnan(batch.steering).all():
+                raise ValueError(_NOT_TAKEN)
         except Exception as error:
             if len(batch) > 1 and not self.is_parent:
                 # Nobody knows whose fault it is; the runner finds out, by making each run again alone.
@@ -141,7 +157,11 @@ class VectorHost:
             message = message_of(error)
             raise Refused([(int(slot), message) for slot in batch.slot]) from None
         rows[:, : answer.shape[1]] = answer
-        rows[:, -1] = batch.mode
+        rows[:, self.width] = batch.mode
+        if self.steers:
+            rows[:, -1] = batch.steering
+            if numpy.isnan(batch.steering).all():
+                rows = rows[:, :-1]
         return rows
 
     def close(self, slot, reason):
@@ -182,6 +202,9 @@ def json_answer(gives, modes, row):
         answer = {gives: [[value(time), value(speed)] for time, speed in there]}
     else:
         answer = {gives: value(row[0])}
-    if row[-1] >= 0:
-        answer["mode"] = modes[int(row[-1])]
+    width = WIDTH[gives]
+    if row[width] >= 0:
+        answer["mode"] = modes[int(row[width])]
+    if len(row) > width + 1 and row[-1] == row[-1]:
+        answer["curvature"] = value(row[-1])
     return answer

@@ -76,6 +76,10 @@ class Seen(NamedTuple):
     """1 while vehicles have amber, 0 while they have green or red; NaN where there is no signal."""
     stop_line: float
     """From the near edge of the crossing back to the line at which vehicles stop, m; NaN where there is no signal."""
+    lateral_offset: float
+    """From the middle of its lane to the ego, to the left, m; 0 where nobody has steered."""
+    heading_error: float
+    """From the direction of its lane to that of the ego, to the left, rad."""
     pedestrians: List[Pedestrian]
     vehicles: List[Vehicle]
     curvature_ahead: List[CurvatureChange] = []
@@ -162,9 +166,10 @@ PEDESTRIAN_COLUMNS = Pedestrian._fields
 VEHICLE_COLUMNS = Vehicle._fields
 CURVATURE_COLUMNS = CurvatureChange._fields
 
-_EGO = ("distance_to_crossing", "speed", "acceleration", "length", "width", "travelled", "curvature")
+_EGO = ("distance_to_crossing", "speed", "acceleration", "length", "width", "travelled", "curvature",
+        "lateral_offset", "heading_error")
 # What JSON leaves out where it is nothing.
-_LEFT_OUT = {"curvature": 0.0}
+_LEFT_OUT = {"curvature": 0.0, "lateral_offset": 0.0, "heading_error": 0.0}
 _VALUE = {True: 1.0, False: 0.0, None: NAN}
 
 
@@ -214,7 +219,7 @@ def _scene(values, pedestrians, vehicles, changes):
         *values[3:12],
         values[12] == 1.0,
         None if signal != signal else signal == 1.0,
-        *values[14:21],
+        *values[14:23],
         pedestrians,
         vehicles,
         changes,

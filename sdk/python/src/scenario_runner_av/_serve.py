@@ -52,7 +52,8 @@ def converse(controller, requests, answers, encoding="f64", runs_at_once=None, *
         return
     greeting = json.loads(line)["hello"]
     runs_at_once = runs_at_once or controller.runs_at_once
-    host = host_of(controller, runs_at_once, make or controller, is_parent)
+    steers = "lateral_offset" in greeting.get("columns", {}).get("lanes", [])
+    host = host_of(controller, runs_at_once, make or controller, is_parent, steers)
     hello = {
         "protocol": PROTOCOL,
         "name": controller.own_name(),

@@ -205,6 +205,7 @@ mod tests {
             path: Path::straight(0.0, direction),
             length: 4.9,
             width: 2.1,
+            steered: None,
         }
     }
 

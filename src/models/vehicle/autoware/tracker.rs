@@ -188,6 +188,8 @@ mod tests {
                 width: 1.896,
                 travelled: -50.0,
                 curvature: 0.0,
+                lateral_offset: 0.0,
+                heading_error: 0.0,
             },
             cruise_speed: 8.0,
             road: RoadView {

@@ -29,7 +29,7 @@ static const char *step(int slot, const sr_seen *seen, double *acceleration, dou
 
 int main(int argc, char **argv) {
     static const sr_controller my_av = {
-        "my_av", "1", "acceleration", RUNS, "\"cruise\",\"brake\"", SR_NUMBER(gap, "m", 3, 1, 10), start, step, NULL,
+        "my_av", "1", "acceleration", RUNS, "\"cruise\",\"brake\"", SR_NUMBER(gap, "m", 3, 1, 10), start, step, NULL, NULL,
     };
     return sr_serve(&my_av, argc, argv);
 }
