@@ -760,6 +760,7 @@ fn main() -> ExitCode {
         use fmus::*;
         trials.extend(tests![
             a_unit_decides_as_its_native_twin,
+            a_unit_steers_as_its_native_twin,
             instances_share_nothing,
             who_shares_a_request_with_a_failing_run_steps_once,
             what_a_unit_prints_is_log,

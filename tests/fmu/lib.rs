@@ -1,7 +1,7 @@
 //! The library of a functional mock-up unit, of FMI 2.0 and 3.0 in one: brakes for whoever is near, or does what a unit must not.
 //!
 //! Variables: 0 speed, 1 cruise speed, 2 x and 3 y of who is nearest (numbers), 4 whether somebody is (truth), 5 gap (number),
-//! 6 acceleration (number, given), 7 what it is to do (text), 8 level (whole).
+//! 6 acceleration (number, given), 7 what it is to do (text), 8 level (whole), 9 curvature (number, given).
 
 #![allow(unsafe_code, reason = "functions for a foreign program")]
 #![allow(clippy::missing_safety_doc, reason = "the standard says when they may be called")]
@@ -41,7 +41,7 @@ enum Log {
 }
 
 pub struct Instance {
-    numbers: [f64; 9],
+    numbers: [f64; 10],
     kind: String,
     log: Log,
     steps: u32,
@@ -59,7 +59,7 @@ impl Instance {
         if token == "refuses" || (token == "once" && before > 0) {
             return ptr::null_mut();
         }
-        let (numbers, kind) = ([0.0; 9], "good".to_string());
+        let (numbers, kind) = ([0.0; 10], "good".to_string());
         let new = Self {
             numbers,
             kind,
@@ -146,6 +146,9 @@ impl Instance {
             }
         }
         match self.kind.as_str() {
+            // Where it gives no number, it does not steer.
+            "steers" if !(0.3..1.5).contains(&time) => self.numbers[9] = f64::NAN,
+            "steers" => self.numbers[9] = if time < 0.9 { 0.02 } else { -0.02 },
             "prints" => println!("step {time}"),
             "sums" => self.numbers[6] -= 1e-4 * self.sum,
             "carries" => self.numbers[6] -= 1e-6 * f64::from(all),

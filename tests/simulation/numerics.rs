@@ -51,6 +51,10 @@ impl Controller for Recorded {
         Ok(command)
     }
 
+    fn curvature(&self) -> Option<f64> {
+        self.controller.curvature()
+    }
+
     fn mode(&self) -> Mode {
         self.controller.mode()
     }

@@ -333,3 +333,135 @@ fn who_is_declared_not_to_steer_does_not() {
     let error = run_case(&case, &requests, &FreeFlows::default(), &mut Unwatched).unwrap_err().to_string();
     assert!(error.contains("declared not to steer"), "{error}");
 }
+
+/// A child that runs out before a car at a speed (km/h), at a time to arrival (s): what became of it, and the fingerprint of the run.
+fn child(controller: &str, (pace, late): (f64, f64), more: &str) -> (Vec<(String, Option<f64>)>, u64) {
+    let text = format!(
+        "scenario a {{
+  road {{ lanes forward, backward; lane_width 3.5 m; speed_limit 50 km/h; crossing unmarked
+    parked_row before {{ to: -1 m, cars: 3, gap: 1 m, across: -2.8 m, length: 4.4 m, width: 1.8 m }} {} }}
+  vehicle av {{ controller {controller}; speed {pace} km/h; start 60 m before crossing }}
+  {}
+  pedestrian child {{ model scripted {{ speed: 1.4 m/s }}; size 0.5 m x 0.4 m; start 3.2 m from lane centre
+    appears when time_to_arrival(av.front) = {late} s }}
+  end on collision
+  horizon 30 s
+}}",
+        if more.starts_with('f') { format!("; {more}") } else { String::new() },
+        if more.starts_with("vehicle") { more } else { "" },
+    );
+    let case = case(&text, &standard());
+    let requests = Requests::defaults(&standard());
+    let outcome = run_case(&case, &requests, &FreeFlows::default(), &mut Unwatched).unwrap();
+    let names = requests.iter().map(|request| request.metric.name().to_string());
+    (names.zip(outcome.metrics.iter().copied()).collect(), outcome.fingerprint)
+}
+
+fn value(found: &[(String, Option<f64>)], name: &str) -> Option<f64> {
+    found.iter().find(|(known, _)| known == name).expect("it is a metric").1
+}
+
+const ONCOMING: &str =
+    "vehicle oncoming { controller constant_speed; lane 1; speed 40 km/h; start 70 m before crossing }";
+
+#[test]
+fn a_car_that_steers_in_an_emergency_evades_whom_braking_alone_hits() {
+    let (mut evaded, mut alike, mut hit, mut stays) = (0, 0, 0, 0);
+    for pace in [30.0, 40.0, 50.0] {
+        for late in (8..24).map(|tenth| f64::from(tenth) * 0.1) {
+            let when = (pace, late);
+            let ((brakes, print), (steers, other)) = (child("idm_aeb", when, ""), child("idm_aes", when, ""));
+            let collides = |found: &[(String, Option<f64>)]| value(found, "collision") == Some(1.0);
+            assert_eq!(value(&steers, "kerb_contact"), Some(0.0), "{when:?}");
+            if value(&steers, "lateral_acceleration") == Some(0.0) {
+                // Who has not steered is the car that only brakes.
+                assert_eq!((print, &brakes), (other, &steers), "{when:?}");
+                alike += 1;
+            } else {
+                assert!(!collides(&steers), "{when:?}: it begins no swerve that it cannot carry through");
+                evaded += usize::from(collides(&brakes));
+            }
+            // With somebody coming on the other lane it stays on its own, and where that is in the way of nobody it is as before.
+            let (beside, _) = child("idm_aes", when, ONCOMING);
+            assert_eq!(value(&beside, "kerb_contact"), Some(0.0));
+            hit += usize::from(collides(&beside));
+            let (lane, _) = child("idm_aes { room: lane }", when, "");
+            let steers = |found: &[(String, Option<f64>)]| value(found, "lateral_acceleration") > Some(0.0);
+            assert_eq!(value(&lane, "kerb_contact"), Some(0.0));
+            stays += usize::from(collides(&lane) && !steers(&lane));
+        }
+    }
+    println!("{evaded}, {alike}, {hit}, {stays}");
+    assert!(evaded >= 4 && alike >= 10 && hit >= 1 && stays >= 1, "{evaded}, {alike}, {hit}, {stays}");
+}
+
+#[test]
+fn a_wet_road_holds_less_than_the_controller_takes_it_for() {
+    let most =
+        |friction: &str, when| value(&child("idm_aes", when, friction).0, "lateral_acceleration").unwrap();
+    let (mut less, mut swerves) = (0, 0);
+    for late in (8..24).map(|tenth| f64::from(tenth) * 0.1) {
+        let (dry, wet) = (most("", (50.0, late)), most("friction 0.4", (50.0, late)));
+        assert!(wet <= 0.4 * 9.80665 + 1e-9, "{wet} m/s²");
+        swerves += usize::from(dry > 0.0);
+        less += usize::from(wet < dry - 0.3);
+    }
+    assert!(swerves >= 3 && less >= 3, "{swerves}, {less}");
+}
+
+#[test]
+fn a_kerb_that_is_hit_is_no_collision() {
+    let text = street(ROADS[0], "speed 36 km/h; start 51.13 m before crossing", PEOPLE[1]);
+    let at = |decides: Decides| measured(&text, decides);
+    let not = at(|_| (0.0, None));
+    assert_eq!((not.of("kerb_contact"), not.of("collision")), (Some(0.0), Some(0.0)));
+    // To the right it is 0.85 m from the side of the car, to the left 4.35 m.
+    let right = at(|seen| (0.0, Some(if seen.ego.travelled < -40.0 { -0.01 } else { 0.0 })));
+    assert_eq!((right.of("kerb_contact"), right.of("collision")), (Some(1.0), Some(0.0)));
+    assert_eq!((right.reason, not.reason), (StopReason::Completed, StopReason::Completed));
+    let back = at(|seen| match seen.ego.travelled {
+        place if place < -45.0 => (0.0, Some(0.01)),
+        place if place < -38.9 => (0.0, Some(-0.01)),
+        _ => (0.0, Some(0.0)),
+    });
+    assert_eq!(back.of("kerb_contact"), Some(0.0));
+    // A median is an edge, too, of the carriageway that it bounds.
+    let median = street(
+        "crossing zebra { width: 4 m }; median 2 m after lane 0",
+        "speed 36 km/h; start 51.13 m before crossing",
+        PEOPLE[1],
+    );
+    let over = measured(&median, |seen| (0.0, Some(if seen.ego.travelled < -30.0 { 0.01 } else { 0.0 })));
+    assert_eq!(over.of("kerb_contact"), Some(1.0));
+    let without = at(|seen| {
+        (
+            0.0,
+            Some(if seen.ego.travelled < -46.0 {
+                0.01
+            } else if seen.ego.travelled < -41.0 {
+                -0.01
+            } else {
+                0.0
+            }),
+        )
+    });
+    assert_eq!(without.of("kerb_contact"), Some(0.0));
+}
+
+#[test]
+fn wheels_of_a_long_car_come_to_the_outer_kerb_of_a_tight_turn() {
+    // They are 1.65 m before and behind the centre and 1.05 m beside it: 1.184 m outside an arc of 9 m.
+    for (width, side, touches) in
+        [(2.36, "left", 1.0), (2.36, "right", 1.0), (2.38, "left", 0.0), (2.38, "right", 0.0)]
+    {
+        let road = format!(
+            "path {{ straight 60 m; arc 90 deg radius 9 m {side}; straight 60 m }}; crossing zebra {{ width: 4 m, at: 90 m }}"
+        );
+        let text = street(&road, "speed 15 km/h; size 5.5 m x 2.1 m; start 60 m before crossing", PEOPLE[0])
+            .replace(
+                "lanes forward, backward; lane_width 3.5 m",
+                &format!("lanes forward; lane_width {width} m"),
+            );
+        assert_eq!(measured(&text, |_| (0.0, None)).of("kerb_contact"), Some(touches), "{text}");
+    }
+}

@@ -51,6 +51,7 @@ fn description(edition: Edition) -> String {
         ("axReq", 6, "output", "Real", "Float64", ""),
         ("kind", 7, "parameter", "String", "String", "start=\"good\""),
         ("levels", 8, "parameter", "Integer", "UInt16", "start=\"0\""),
+        ("kappa", 9, "output", "Real", "Float64", ""),
     ];
     let lines = variables.map(|(name, number, causality, two, three, more)| match edition {
         Edition::Two => format!(
@@ -152,6 +153,20 @@ pub fn a_unit_decides_as_its_native_twin() -> Outcome {
         }
         let other = fingerprints(&runs(), &WIRED.replace("kind = \"good\"", "kind = \"level\""), edition)?;
         expect(other != native, || "neither texts nor whole numbers come through".to_string())?;
+    }
+    Ok(())
+}
+
+/// A curvature is an output that may be wired besides.
+pub fn a_unit_steers_as_its_native_twin() -> Outcome {
+    let native = super::fingerprints(&many("kind=steers", "period 100 ms"), &[])?;
+    let wired = WIRED.replace("kind = \"good\"", "kind = \"steers\"");
+    let steers = format!("{wired}  output curvature = \"kappa\" in 1/m\n");
+    for edition in EDITIONS {
+        let found = fingerprints(&runs(), &steers, edition)?;
+        expect(found == native, || format!("{found:#?} {native:#?}"))?;
+        let other = fingerprints(&runs(), &wired, edition)?;
+        expect(other != native, || "it steers though nothing is wired".to_string())?;
     }
     Ok(())
 }

@@ -13,6 +13,7 @@ mod crossing;
 mod fixture;
 mod headway;
 mod jerk;
+mod kerb;
 mod lateral;
 mod proximity;
 mod signal;
@@ -43,6 +44,7 @@ pub fn metrics() -> Vec<Metric> {
         jerk::max_jerk(),
         jerk::rms_jerk(),
         lateral::lateral_acceleration(),
+        kerb::kerb_contact(),
         signal::ran_red(),
         travel::time_lost(),
         travel::travel_time(),

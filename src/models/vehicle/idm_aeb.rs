@@ -22,7 +22,16 @@ pub fn idm_aeb() -> ControllerModel {
         "IDM: Treiber, Hennecke & Helbing (2000); emergency braking after UN R152 and \
          Rosén et al. (2010)",
     )
-    .parameters([
+    .parameters(parameters());
+    ControllerModel::new(declaration, CommandKind::Acceleration, build)
+        .driving("ideal")
+        .chance(Chance::Never)
+        .signals(SignalConduct::Obeys)
+}
+
+/// What is known of it, which is also what `idm_aes` knows.
+pub(super) fn parameters() -> [Parameter; 15] {
+    [
         Parameter::number(
             "time_headway",
             Dimension::TIME,
@@ -131,14 +140,10 @@ pub fn idm_aeb() -> ControllerModel {
             ASSUMED,
         ),
         period(),
-    ]);
-    ControllerModel::new(declaration, CommandKind::Acceleration, build)
-        .driving("ideal")
-        .chance(Chance::Never)
-        .signals(SignalConduct::Obeys)
+    ]
 }
 
-struct IdmAeb {
+pub(super) struct IdmAeb {
     period: f64,
     idm: Idm,
     trigger: f64,
@@ -159,6 +164,8 @@ struct IdmAeb {
     /// `None`: it ignores signals.
     red_light: Option<RedLight>,
     mode: &'static str,
+    /// Whom it brakes for.
+    emergency: Option<usize>,
 }
 
 struct Idm {
@@ -170,32 +177,7 @@ struct Idm {
 }
 
 fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError> {
-    let settings = context.settings;
-    Ok(Box::new(IdmAeb {
-        period: settings.number("period"),
-        idm: Idm {
-            headway: settings.number("time_headway"),
-            minimum_gap: settings.number("minimum_gap"),
-            acceleration: settings.number("max_acceleration"),
-            deceleration: settings.number("comfortable_deceleration"),
-            exponent: settings.number("exponent"),
-        },
-        trigger: settings.number("trigger"),
-        deceleration: settings.number("deceleration"),
-        jerk: settings.number("jerk"),
-        detection_delay: settings.number("detection_delay"),
-        half_view: settings.number("field_of_view") / 2.0,
-        range: settings.number("range"),
-        margin: settings.number("margin"),
-        until_standstill: settings.word("release") == "standstill",
-        restart_delay: settings.number("restart_delay"),
-        in_view_since: vec![None; context.world.pedestrians.len()],
-        braking: None,
-        clear_since: None,
-        last_time: None,
-        red_light: RedLight::new(context, red_light::REACTION, red_light::DECELERATION),
-        mode: "cruise",
-    }))
+    Ok(Box::new(IdmAeb::new(context)))
 }
 
 impl Idm {
@@ -233,8 +215,48 @@ impl Idm {
 }
 
 impl IdmAeb {
-    /// The nearest hazard among the pedestrians that have been detected.
-    fn hazard(&mut self, observation: &Observation) -> Option<Hazard> {
+    pub(super) fn new(context: &ControllerContext) -> Self {
+        let settings = context.settings;
+        Self {
+            period: settings.number("period"),
+            idm: Idm {
+                headway: settings.number("time_headway"),
+                minimum_gap: settings.number("minimum_gap"),
+                acceleration: settings.number("max_acceleration"),
+                deceleration: settings.number("comfortable_deceleration"),
+                exponent: settings.number("exponent"),
+            },
+            trigger: settings.number("trigger"),
+            deceleration: settings.number("deceleration"),
+            jerk: settings.number("jerk"),
+            detection_delay: settings.number("detection_delay"),
+            half_view: settings.number("field_of_view") / 2.0,
+            range: settings.number("range"),
+            margin: settings.number("margin"),
+            until_standstill: settings.word("release") == "standstill",
+            restart_delay: settings.number("restart_delay"),
+            in_view_since: vec![None; context.world.pedestrians.len()],
+            braking: None,
+            clear_since: None,
+            last_time: None,
+            red_light: RedLight::new(context, red_light::REACTION, red_light::DECELERATION),
+            mode: "cruise",
+            emergency: None,
+        }
+    }
+
+    /// Whom it brakes for in an emergency now, by their number, if they are still in its way.
+    pub(super) fn emergency(&self) -> Option<usize> {
+        self.emergency
+    }
+
+    /// What it is up to.
+    pub(super) fn word(&self) -> &'static str {
+        self.mode
+    }
+
+    /// The nearest hazard among the pedestrians that have been detected, and whose it is.
+    fn hazard(&mut self, observation: &Observation) -> Option<(usize, Hazard)> {
         let now = observation.time;
         let mut seen_before = std::mem::take(&mut self.in_view_since);
         for (id, since) in seen_before.iter_mut().enumerate() {
@@ -250,8 +272,8 @@ impl IdmAeb {
             .filter(|seen| {
                 seen_before[seen.id].is_some_and(|since| now - since >= self.detection_delay - 1e-9)
             })
-            .filter_map(|seen| collision_course(&observation.ego, seen, self.margin))
-            .min_by(|one, other| one.time_to_collision.total_cmp(&other.time_to_collision));
+            .filter_map(|seen| Some((seen.id, collision_course(&observation.ego, seen, self.margin)?)))
+            .min_by(|(_, one), (_, other)| one.time_to_collision.total_cmp(&other.time_to_collision));
         self.in_view_since = seen_before;
         nearest
     }
@@ -276,7 +298,8 @@ impl Controller for IdmAeb {
         let line = self.red_light.as_mut().and_then(|rule| rule.gap(observation));
         let for_red = line.map(|gap| self.idm.behind_line(speed, gap)).filter(|found| *found <= cruise);
         cruise = for_red.unwrap_or(cruise);
-        let hazard = self.hazard(observation);
+        let nearest = self.hazard(observation);
+        let hazard = nearest.map(|(_, hazard)| hazard);
         let standing = observation.ego.speed == 0.0;
         if self.braking.is_none() && hazard.is_some_and(|hazard| hazard.time_to_collision <= self.trigger) {
             self.braking = Some(Ramp::from(observation.ego.acceleration.min(0.0)));
@@ -289,6 +312,7 @@ impl Controller for IdmAeb {
         } else {
             self.clear_since = None;
         }
+        self.emergency = nearest.filter(|_| self.braking.is_some()).map(|(id, _)| id);
         let Some(ramp) = &mut self.braking else {
             self.mode = match for_red {
                 Some(acceleration) if acceleration < 0.0 || red_light::stands(speed) => {

@@ -9,6 +9,7 @@ mod constant_speed;
 mod dynamics;
 mod hazard;
 mod idm_aeb;
+mod idm_aes;
 mod perception;
 mod period;
 mod red_light;
@@ -30,6 +31,7 @@ pub fn controllers() -> Vec<ControllerModel> {
         constant_deceleration::constant_deceleration(),
         constant_speed::constant_speed(),
         idm_aeb::idm_aeb(),
+        idm_aes::idm_aes(),
         timeline::timeline(),
         yielding::yielding(),
     ]
