@@ -38,7 +38,7 @@ const WIRED: &str = r#"  fmu "own.fmu"
 fn description(edition: Edition) -> String {
     let (head, units) = (
         "canHandleVariableCommunicationStepSize=\"true\"",
-        "<UnitDefinitions><Unit name=\"m/s\"><BaseUnit m=\"1\" s=\"-1\"/></Unit><Unit name=\"m\"><BaseUnit m=\"1\"/></Unit></UnitDefinitions>",
+        "<UnitDefinitions><Unit name=\"m/s\"><BaseUnit m=\"1\" s=\"-1\"/></Unit><Unit name=\"m\"><BaseUnit m=\"1\"/></Unit><Unit name=\"1/m\"><BaseUnit m=\"-1\"/></Unit></UnitDefinitions>",
     );
     // Name, number, causality, type of 2.0 and of 3.0, attributes.
     let variables = [
@@ -51,7 +51,7 @@ fn description(edition: Edition) -> String {
         ("axReq", 6, "output", "Real", "Float64", ""),
         ("kind", 7, "parameter", "String", "String", "start=\"good\""),
         ("levels", 8, "parameter", "Integer", "UInt16", "start=\"0\""),
-        ("kappa", 9, "output", "Real", "Float64", ""),
+        ("kappa", 9, "output", "Real", "Float64", "unit=\"1/m\""),
     ];
     let lines = variables.map(|(name, number, causality, two, three, more)| match edition {
         Edition::Two => format!(
@@ -161,7 +161,7 @@ pub fn a_unit_decides_as_its_native_twin() -> Outcome {
 pub fn a_unit_steers_as_its_native_twin() -> Outcome {
     let native = super::fingerprints(&many("kind=steers", "period 100 ms"), &[])?;
     let wired = WIRED.replace("kind = \"good\"", "kind = \"steers\"");
-    let steers = format!("{wired}  output curvature = \"kappa\" in 1/m\n");
+    let steers = format!("{wired}  output curvature = \"kappa\"\n");
     for edition in EDITIONS {
         let found = fingerprints(&runs(), &steers, edition)?;
         expect(found == native, || format!("{found:#?} {native:#?}"))?;
