@@ -19,7 +19,11 @@ impl Controller for Brake {
             .any(|one| 0.0 < one.x && one.x < self.braking_distance && one.y.abs() < 4.0);
         let brakes = near && seen.speed > 0.0;
         let acceleration = if brakes { -3.0 } else { 0.5 * (seen.cruise_speed - seen.speed) };
-        Ok(Answer { command: Command::Acceleration(acceleration), mode: Some(usize::from(brakes)), curvature: None })
+        Ok(Answer {
+            command: Command::Acceleration(acceleration),
+            mode: Some(usize::from(brakes)),
+            curvature: None,
+        })
     }
 }
 

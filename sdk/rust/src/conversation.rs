@@ -111,7 +111,11 @@ impl<C: Controller> Conversation<C> {
             if slot.decided.as_ref().is_some_and(|(time, _)| *time == seen.time) {
                 continue;
             }
-            match slot.controller.step(seen).and_then(|answer| wire::row(&self.about, &answer, self.tables.steers)) {
+            match slot
+                .controller
+                .step(seen)
+                .and_then(|answer| wire::row(&self.about, &answer, self.tables.steers))
+            {
                 Ok(row) => slot.decided = Some((seen.time, row)),
                 Err(message) => refused.push(json!({"slot": seen.slot, "message": message})),
             }

@@ -205,7 +205,10 @@ fn a_curvature_stands_behind_the_mode_where_the_runner_takes_one() {
         let words = words.iter().flat_map(|word| word.to_le_bytes());
         words.chain(values.iter().flat_map(|value| value.to_le_bytes())).collect()
     };
-    let known = answered(json!(["heading_error", "lateral_offset"]), &[&[0.5, 0.0, 0.02, 2.0], &[0.6, 0.0, 0.0, 0.0]]);
+    let known = answered(
+        json!(["heading_error", "lateral_offset"]),
+        &[&[0.5, 0.0, 0.02, 2.0], &[0.6, 0.0, 0.0, 0.0]],
+    );
     assert!(known.ends_with(&[row(&[0.02, -1.0, -0.2]), row(&[0.0, -1.0])].concat()));
     // An older one says neither, and its rows have one column less.
     let older = answered(json!(["heading_error"]), &[&[0.5, 0.0, 0.02]]);
