@@ -13,7 +13,7 @@ use super::{Exit, number, store};
 use files::Disk;
 use models::calibrate::{
     Calibration, CalibrationJournal, Candidates, Design, ParameterRange, Report, Request, calibrate,
-    published_criteria, published_grid, read_criteria,
+    published_candidates, published_criteria, published_grid, read_criteria,
 };
 use models::pedestrian::commotions::model::commotions;
 use models::pedestrian::commotions::{Variant, VariantError};
@@ -85,6 +85,10 @@ pub struct CalibrateArguments {
     #[arg(long, value_name = "FILE")]
     criteria: Option<PathBuf>,
 
+    /// Judge nobody: every candidate is written, such as for a `calibrate` block to weigh.
+    #[arg(long, conflicts_with_all = ["criteria", "print_criteria"])]
+    no_criteria: bool,
+
     /// Print the criteria that would be applied as JSON, and do nothing.
     #[arg(long)]
     print_criteria: bool,
@@ -125,6 +129,9 @@ enum Designs {
     LogUniform,
     /// A Latin hypercube on log scales.
     LatinHypercube,
+    /// The candidates of the published fit of the default variant, as far as the individuals in `--base` show them; with a `--range` of
+    /// another parameter, in strata of it.
+    Published,
 }
 
 /// Why nothing was calibrated.
@@ -142,6 +149,10 @@ enum CalibrateError {
     Journal(#[from] models::calibrate::JournalError),
     #[error(transparent)]
     Calibrate(#[from] models::calibrate::CalibrateError),
+    #[error("`--design published` needs the published individuals: `--base commotions_individuals.json`")]
+    NoBase,
+    #[error(transparent)]
+    Published(#[from] models::calibrate::PublishedError),
     #[error("cannot start {threads} threads: {error}")]
     Threads { threads: usize, error: rayon::ThreadPoolBuildError },
     #[error("cannot write {}: {error}", file.display())]
@@ -151,7 +162,7 @@ enum CalibrateError {
 }
 
 /// What a block says by itself.
-const BY_CRITERIA: [&str; 9] = [
+const BY_CRITERIA: [&str; 10] = [
     "variant",
     "candidates",
     "design",
@@ -159,6 +170,7 @@ const BY_CRITERIA: [&str; 9] = [
     "range",
     "base",
     "criteria",
+    "no_criteria",
     "print_criteria",
     "repetitions",
 ];
@@ -198,6 +210,7 @@ pub fn run(arguments: &CalibrateArguments, registry: &Registry) -> Exit {
 
 fn try_run(arguments: &CalibrateArguments) -> Result<Exit, CalibrateError> {
     let criteria = match &arguments.criteria {
+        None if arguments.no_criteria => Vec::new(),
         Some(file) => read_criteria(file)?,
         None => published_criteria(),
     };
@@ -263,6 +276,9 @@ fn candidates(
     let name = |file: &PathBuf| {
         file.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
     };
+    if matches!(arguments.design, Designs::Published) {
+        return published(arguments);
+    }
     if let Some(file) = &arguments.candidates {
         return Ok((read(file, Some(&variant.to_string()))?, name(file)));
     }
@@ -282,7 +298,7 @@ fn candidates(
         Designs::Grid => Design::Grid,
         Designs::FromGrid => Design::FromGrid(count),
         Designs::LogUniform => Design::LogUniform(count),
-        Designs::LatinHypercube => Design::LatinHypercube(count),
+        Designs::LatinHypercube | Designs::Published => Design::LatinHypercube(count),
     };
     let candidates =
         Candidates::design(&base, &ranges, design, arguments.seed.unwrap_or(1), &commotions().declaration)?;
@@ -293,6 +309,19 @@ fn candidates(
         words.push_str(&format!(", crossed with {} of {}", base.names.join(", "), name(file)));
     }
     Ok((candidates, words))
+}
+
+/// Those of the published fit, with more parameters where ranges are given.
+fn published(arguments: &CalibrateArguments) -> Result<(Candidates, String), CalibrateError> {
+    let file = arguments.base.as_ref().ok_or(CalibrateError::NoBase)?;
+    let seed = arguments.seed.unwrap_or(1);
+    let found = published_candidates(file, arguments.count, seed)?;
+    let found = found.with_ranges(&arguments.range, seed, &commotions().declaration)?;
+    let mut words = format!("{} of the published fit", found.rows.len());
+    for ParameterRange { name, low, high, .. } in &arguments.range {
+        words.push_str(&format!(", {name} in strata over {low}..{high}"));
+    }
+    Ok((found, words))
 }
 
 fn summary(request: &Request, report: &Report) -> String {

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::columns::columns;
 use files::escape::html;
-use results::{CalibrateResult, CalibratedShare};
+use results::{CalibrateResult, CalibratedCondition, CalibratedShare, ComparedPopulation};
 
 const STRING: &str = "writing to a string cannot fail";
 
@@ -21,23 +21,9 @@ pub fn render_calibrate(result: &CalibrateResult) -> String {
         result.runs
     )
     .expect(STRING);
-    let headings = ["", "people", "equal", "fitted", "fresh", "left out", "apart"];
-    for (what, of) in [("share", true), ("spread between individuals", false)] {
-        let mut lines = vec![headings.map(String::from).to_vec()];
-        lines[0][0] = what.to_string();
-        for one in &result.conditions {
-            let CalibratedShare { observed, error, equal, fitted, fresh, left_out, .. } =
-                if of { one.share } else { one.spread };
-            lines.push(vec![
-                format!("{} {}", one.scenario, one.values).trim_end().to_string(),
-                format!("{} ± {}", points(observed), points(error)),
-                points(equal),
-                points(fitted),
-                points(fresh),
-                left_out.map_or_else(String::new, points),
-                format!("{:+.1}", 100.0 * (fresh - observed)),
-            ]);
-        }
+    for (what, rows) in [("share", rows(result, true)), ("spread between individuals", rows(result, false))] {
+        let mut lines = vec![headings(result, what)];
+        lines.extend(rows);
         text += &columns(&lines);
     }
     text.push_str("  in %; fresh: runs whose noise no weight has seen; left out: by weights that do not know the condition; apart: fresh less people\n");
@@ -49,22 +35,59 @@ pub fn render_calibrate(result: &CalibrateResult) -> String {
     parts(&mut text, "under fresh noise", Some(result.fresh_rms));
     parts(&mut text, "of conditions left out", result.left_out_rms);
     parts(&mut text, &format!("in {} folds", result.folds), result.folds_rms);
+    for one in &result.compared {
+        let ComparedPopulation { name, digest, individuals, runs, .. } = one;
+        writeln!(text, "  {name}: {individuals} individuals, {runs} runs each, digest {digest}")
+            .expect(STRING);
+    }
     for warning in &result.warnings {
         writeln!(text, "  warning: {warning}").expect(STRING);
     }
     text
 }
 
+/// The headings of [`rows`].
+pub(super) fn headings(result: &CalibrateResult, what: &str) -> Vec<String> {
+    let own = [what, "people", "equal", "fitted", "fresh", "left out", "apart"].map(String::from);
+    own.into_iter().chain(result.compared.iter().map(|one| one.name.clone())).collect()
+}
+
+/// A row for each condition, in %: the shares, or the spreads between individuals.
+pub(super) fn rows(result: &CalibrateResult, shares: bool) -> Vec<Vec<String>> {
+    let row = |(index, one): (usize, &CalibratedCondition)| {
+        let CalibratedShare { observed, error, equal, fitted, fresh, left_out, .. } =
+            if shares { one.share } else { one.spread };
+        let mut cells = vec![
+            format!("{} {}", one.scenario, one.values).trim_end().to_string(),
+            format!("{} ± {}", points(observed), points(error)),
+            points(equal),
+            points(fitted),
+            points(fresh),
+            left_out.map_or_else(String::new, points),
+            format!("{:+.1}", 100.0 * (fresh - observed)),
+        ];
+        cells.extend(result.compared.iter().map(|other| {
+            let (share, spread) = other.shares[index];
+            points(if shares { share } else { spread })
+        }));
+        cells
+    };
+    result.conditions.iter().enumerate().map(row).collect()
+}
+
 fn points(share: f64) -> String {
     format!("{:.1}", 100.0 * share)
 }
 
-/// Shares against the conditions of every scenario, as SVG: people with their errors, equal weights and the population.
+/// Shares against the conditions of every scenario, as SVG: people with their errors, the population, equal weights, and the populations
+/// that it is compared with.
 pub fn draw_calibration(result: &CalibrateResult) -> String {
     const WIDTH: f64 = 340.0;
     const HEIGHT: f64 = 300.0;
     const LEFT: f64 = 48.0;
-    const TOP: f64 = 44.0;
+    const TOP: f64 = 34.0;
+    const LINE: f64 = 18.0;
+    let drawn = drawn(result);
     let mut scenarios: Vec<&str> = Vec::new();
     for one in &result.conditions {
         if !scenarios.contains(&one.scenario.as_str()) {
@@ -72,53 +95,98 @@ pub fn draw_calibration(result: &CalibrateResult) -> String {
         }
     }
     let width = LEFT + (WIDTH + 30.0) * scenarios.len() as f64;
+    let legend = TOP + HEIGHT + 2.0 * LINE;
+    let height = legend + LINE * (drawn.len() + 2) as f64;
     let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} 420\" font-family=\"sans-serif\" font-size=\"12\">\n\
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" font-family=\"sans-serif\" font-size=\"12\">\n\
          <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
     );
     let y = |share: f64| TOP + HEIGHT * (1.0 - share);
     for (panel, scenario) in scenarios.iter().enumerate() {
         let left = LEFT + (WIDTH + 30.0) * panel as f64;
-        let of: Vec<_> = result.conditions.iter().filter(|one| one.scenario == *scenario).collect();
-        let x = |index: usize| left + WIDTH * (index as f64 + 0.5) / of.len() as f64;
+        let of: Vec<usize> = (0..result.conditions.len())
+            .filter(|index| result.conditions[*index].scenario == *scenario)
+            .collect();
+        let x = |place: usize| left + WIDTH * (place as f64 + 0.5) / of.len() as f64;
         writeln!(svg, "<text x=\"{left}\" y=\"20\" font-weight=\"bold\">{}</text>", html(scenario))
             .expect(STRING);
         for tenth in (0..=10).step_by(2) {
             let at = y(f64::from(tenth) / 10.0);
             writeln!(svg, "<path d=\"M{left} {at}h{WIDTH}\" stroke=\"#ddd\"/><text x=\"{}\" y=\"{}\" text-anchor=\"end\">{} %</text>", left - 4.0, at + 4.0, tenth * 10).expect(STRING);
         }
-        let line = |value: &dyn Fn(&CalibratedShare) -> f64| {
-            let places = of
+        for line in &drawn {
+            let points = of
                 .iter()
                 .enumerate()
-                .map(|(index, one)| format!("{:.1},{:.1}", x(index), y(value(&one.share))));
-            places.collect::<Vec<_>>().join(" ")
-        };
-        for (colour, dash, places) in
-            [("#d95f02", "6 4", line(&|share| share.equal)), ("#1b6ca8", "none", line(&|share| share.fresh))]
-        {
-            writeln!(svg, "<polyline points=\"{places}\" fill=\"none\" stroke=\"{colour}\" stroke-width=\"2\" stroke-dasharray=\"{dash}\"/>").expect(STRING);
+                .map(|(place, index)| format!("{:.1},{:.1}", x(place), y(line.shares[*index])));
+            let points = points.collect::<Vec<_>>().join(" ");
+            writeln!(svg, "<polyline points=\"{points}\" fill=\"none\" {}/>", line.stroke()).expect(STRING);
         }
-        for (index, one) in of.iter().enumerate() {
+        for (place, index) in of.iter().enumerate() {
+            let one = &result.conditions[*index];
             let CalibratedShare { observed, error, .. } = one.share;
-            let (at, high, low) = (x(index), y((observed + error).min(1.0)), y((observed - error).max(0.0)));
+            let (at, high, low) = (x(place), y((observed + error).min(1.0)), y((observed - error).max(0.0)));
             writeln!(svg, "<path d=\"M{at:.1} {high:.1}V{low:.1}\" stroke=\"black\"/><circle cx=\"{at:.1}\" cy=\"{:.1}\" r=\"4\"/>", y(observed)).expect(STRING);
             writeln!(
                 svg,
                 "<text x=\"{at:.1}\" y=\"{}\" text-anchor=\"middle\">{}</text>",
-                TOP + HEIGHT + 18.0,
+                TOP + HEIGHT + LINE,
                 html(&one.values)
             )
             .expect(STRING);
         }
     }
-    writeln!(
-        svg,
-        "<g><circle cx=\"{LEFT}\" cy=\"392\" r=\"4\"/><text x=\"{}\" y=\"396\">people ± one standard error</text>\
-         <path d=\"M{} 392h24\" stroke=\"#1b6ca8\" stroke-width=\"2\"/><text x=\"{}\" y=\"396\">{}, fresh noise</text>\
-         <path d=\"M{} 392h24\" stroke=\"#d95f02\" stroke-width=\"2\" stroke-dasharray=\"6 4\"/><text x=\"{}\" y=\"396\">candidates, equally weighed</text></g>",
-        LEFT + 10.0, LEFT + 200.0, LEFT + 230.0, html(&result.name), LEFT + 400.0, LEFT + 430.0
-    )
-    .expect(STRING);
+    let entry = |svg: &mut String, line: usize, mark: &str, words: &str| {
+        let (at, text) = (legend + LINE * line as f64, LEFT + 36.0);
+        writeln!(
+            svg,
+            "<g transform=\"translate(0 {at})\">{mark}<text x=\"{text}\" y=\"4\">{}</text></g>",
+            html(words)
+        )
+        .expect(STRING);
+    };
+    let dot = format!("<circle cx=\"{}\" cy=\"0\" r=\"4\"/>", LEFT + 14.0);
+    entry(&mut svg, 0, &dot, &format!("people ± one standard error: {}", result.observations));
+    for (line, one) in drawn.iter().enumerate() {
+        let mark = format!("<path d=\"M{} 0h28\" {}/>", LEFT, one.stroke());
+        entry(&mut svg, line + 1, &mark, &one.words);
+    }
     svg + "</svg>\n"
+}
+
+/// Shares of the conditions, in their order, and how they are drawn.
+struct Drawn {
+    words: String,
+    colour: &'static str,
+    dashes: &'static str,
+    shares: Vec<f64>,
+}
+
+impl Drawn {
+    fn stroke(&self) -> String {
+        let Self { colour, dashes, .. } = self;
+        format!("stroke=\"{colour}\" stroke-width=\"2\" stroke-dasharray=\"{dashes}\"")
+    }
+}
+
+/// Colours that can be told apart by everybody, and dashes by whom no colour can.
+const LOOKS: [(&str, &str); 3] = [("#d95f02", "7 3"), ("#7b3294", "2 3"), ("#008837", "9 3 2 3")];
+
+fn drawn(result: &CalibrateResult) -> Vec<Drawn> {
+    let own = |of: &dyn Fn(&CalibratedShare) -> f64| {
+        result.conditions.iter().map(|one| of(&one.share)).collect::<Vec<_>>()
+    };
+    let mut drawn = vec![Drawn {
+        words: format!("{}, fresh noise", result.name),
+        colour: "#1b6ca8",
+        dashes: "none",
+        shares: own(&|share| share.fresh),
+    }];
+    for (one, (colour, dashes)) in result.compared.iter().zip(LOOKS.iter().cycle()) {
+        let shares = one.shares.iter().map(|(share, _)| *share).collect();
+        drawn.push(Drawn { words: one.name.clone(), colour, dashes, shares });
+    }
+    let words = "candidates, equally weighed".to_string();
+    drawn.push(Drawn { words, colour: "#999999", dashes: "1 4", shares: own(&|share| share.equal) });
+    drawn
 }

@@ -155,6 +155,7 @@ impl Session {
             trials: trials.collect(),
             summary: None,
             controllers: Vec::new(),
+            people: Vec::new(),
             blocks: self.blocks(),
             gates: gate::reports(&self.gate),
             ratings: rating::reports(&self.rating),

@@ -5,13 +5,16 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use scenario::population::Population;
+use scenario::population::{Population, VEHICLE_SPEEDS};
 
 /// Weights of candidates, and how well they do what people did.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct CalibrateResult {
     /// As the suite calls it.
     pub name: String,
+    /// What the suite says of it, in a sentence.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub doc: Option<String>,
     /// What was matched, such as `rate(gap_accepted)`.
     pub matched: String,
     /// To what: the file's name.
@@ -46,6 +49,12 @@ pub struct CalibrateResult {
     pub runs: u32,
     /// The suite's seed.
     pub seed: u64,
+    /// The speeds of vehicles that people were observed with, in rising order, m/s.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub vehicle_speeds: Vec<f64>,
+    /// Other populations in the same conditions.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub compared: Vec<ComparedPopulation>,
     /// Weights for observations that are drawn again from the persons, as other persons might have been observed.
     pub resampled: Vec<Vec<f64>>,
     /// What has to be known of it.
@@ -69,6 +78,21 @@ pub struct CalibratedCondition {
     pub share: CalibratedShare,
     /// The share of pairs of a person's trials in which both hold.
     pub spread: CalibratedShare,
+}
+
+/// A population that was put into the conditions of a calibration.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ComparedPopulation {
+    /// Its name, or its file's.
+    pub name: String,
+    /// See [`Population::digest`].
+    pub digest: String,
+    /// How many of them, each a row of its own.
+    pub individuals: usize,
+    /// Runs of each in every condition.
+    pub runs: u32,
+    /// Share of runs and share of pairs of a person's runs, of each condition in their order, 0 to 1.
+    pub shares: Vec<(f64, f64)>,
 }
 
 /// A share as observed and as computed, 0 to 1.
@@ -127,12 +151,20 @@ impl CalibrateResult {
             ("fresh_rms", json!(self.fresh_rms)),
             ("left_out_rms", json!(self.left_out_rms)),
             ("conditions", json!(conditions)),
+            ("warnings", json!(self.warnings)),
         ];
+        let mut provenance = BTreeMap::from(provenance.map(|(name, value)| (name.to_owned(), value)));
+        if !self.vehicle_speeds.is_empty() {
+            provenance.insert(VEHICLE_SPEEDS.to_owned(), json!(self.vehicle_speeds));
+        }
         Population {
             model: self.model.clone(),
             variant: self.variant.clone(),
-            source: format!("calibrated to {} by maximum entropy", self.observations),
-            provenance: BTreeMap::from(provenance.map(|(name, value)| (name.to_owned(), value))),
+            source: match &self.doc {
+                Some(doc) => format!("calibrated to {} by maximum entropy: {doc}", self.observations),
+                None => format!("calibrated to {} by maximum entropy", self.observations),
+            },
+            provenance,
             parameters: self.parameters.clone(),
             individuals: self.individuals.clone(),
             weights: self.weights.clone(),
@@ -145,7 +177,8 @@ impl CalibrateResult {
         let mut population = Population { weights, ..self.population() };
         population.source = format!("{}, persons drawn again ({})", population.source, number + 1);
         population.provenance.retain(|name, _| {
-            !["effective_size", "fresh_rms", "left_out_rms", "conditions"].contains(&name.as_str())
+            !["effective_size", "fresh_rms", "left_out_rms", "conditions", "warnings"]
+                .contains(&name.as_str())
         });
         Some(population)
     }

@@ -76,6 +76,7 @@ impl Mixture {
     fn calibrate(&mut self, calibrate: &CalibrateResult) {
         let CalibrateResult {
             name: _,
+            doc: _,
             matched: _,
             observations: _,
             candidates: _,
@@ -93,6 +94,8 @@ impl Mixture {
             fresh_rms: _,
             runs,
             seed,
+            vehicle_speeds: _,
+            compared,
             resampled,
             warnings: _,
         } = calibrate;
@@ -103,6 +106,10 @@ impl Mixture {
         }
         weights.iter().for_each(|weight| self.number(*weight));
         self.numbers(&[*folds_rms, *left_out_rms]);
+        for (share, spread) in compared.iter().flat_map(|one| &one.shares) {
+            self.number(*share);
+            self.number(*spread);
+        }
         for CalibratedCondition { scenario: _, values: _, trials, persons, undefined, share, spread } in
             conditions
         {

@@ -50,7 +50,7 @@ pub struct Results {
 }
 
 pub use block::{BlockReport, BlockResult, BlockState};
-pub use calibrate::{CalibrateResult, CalibratedCondition, CalibratedShare};
+pub use calibrate::{CalibrateResult, CalibratedCondition, CalibratedShare, ComparedPopulation};
 pub use cases::{CaseRun, MetricSummary, SavedCase, SavedSet};
 pub use chosen::{Chosen, choose_runs};
 pub use controller::{AnswerTimes, DifferingRun, TestedController};
@@ -76,7 +76,9 @@ pub use search::{CoursePoint, Found, MetricCourse, SearchResult};
 pub use skip::{Skip, Stopping};
 pub use standing::Standing;
 pub use statement::{ClaimResult, ClaimValues, Conclusion, StatementResult, TrendPoint};
-pub use suite::{Program, SuiteIdentity, SuiteReport, is_use, is_value, record_command, set_options};
+pub use suite::{
+    PeopleUsed, Program, SuiteIdentity, SuiteReport, is_use, is_value, record_command, set_options,
+};
 pub use summary::{
     AppliedCriteria, MOST_SHOWN, NearestRun, PassedTrial, ScenarioSummary, StandingCount, SuiteSummary,
 };

@@ -10,9 +10,10 @@ use scenario::{Criterion, MetricReference};
 pub struct Requests(Vec<MetricReference>);
 
 impl Requests {
-    /// Every registered metric with its defaults.
+    /// Every registered metric with its defaults, but for those that are measured on request.
     pub fn defaults(registry: &Registry) -> Self {
-        Self(registry.metrics().iter().map(MetricReference::plain).collect())
+        let usual = registry.metrics().iter().filter(|metric| !metric.declaration.on_request);
+        Self(usual.map(MetricReference::plain).collect())
     }
 
     /// Adds whatever the criteria need that is not there yet.

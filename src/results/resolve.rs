@@ -49,6 +49,7 @@ fn of_suite(suite: &mut SuiteReport, resolve: Resolve) {
         ratings,
         interrupted: _,
         controllers: _,
+        people: _,
     } = suite;
     for report in recorded {
         if let RecordedState::Ran(rerun) = &mut report.state {

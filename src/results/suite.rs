@@ -138,6 +138,9 @@ pub struct SuiteReport {
     /// Its controllers that are programs under test, in the order of their names.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub controllers: Vec<TestedController>,
+    /// The populations that its people are of, in the order of their names.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub people: Vec<PeopleUsed>,
     /// The suite's gates; empty until all of its trials are judged.
     pub gates: Vec<GateReport>,
     /// The suite's ratings; empty until all of its trials are judged.
@@ -145,6 +148,18 @@ pub struct SuiteReport {
     pub ratings: Vec<RatingReport>,
     /// Whether somebody interrupted it before all that was to be done was done.
     pub interrupted: bool,
+}
+
+/// A population that people of a suite are of.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PeopleUsed {
+    /// Its name, or its file's.
+    pub population: String,
+    /// Of everybody in it, as baselines hold it.
+    pub digest: String,
+    /// What has to be known of its use here, such as that people meet vehicles at speeds at which nobody was observed.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub warning: Option<String>,
 }
 
 impl SuiteReport {

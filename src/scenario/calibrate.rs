@@ -23,10 +23,16 @@ pub struct Calibrate {
     pub observations: Observations,
     /// Whether the spread between persons is matched as well.
     pub spread: bool,
+    /// How many of their errors targets are to be matched within; 1: as well as they are known.
+    #[serde(default = "one_error", skip_serializing_if = "is_one_error")]
+    pub within: f64,
     /// In how many parts conditions are held back in turn; 0: in none.
     pub folds: u32,
     /// Runs of every candidate in every condition, at least 2.
     pub runs: u32,
+    /// Populations that are put into the same conditions to be shown beside.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub compared: Vec<Individuals>,
     /// Where it is declared.
     pub origin: Origin,
 }
@@ -39,4 +45,12 @@ pub enum CandidateSource {
     LatinHypercube(u32),
     /// Those of a population, all or some.
     Population(Individuals),
+}
+
+fn one_error() -> f64 {
+    1.0
+}
+
+fn is_one_error(within: &f64) -> bool {
+    *within == 1.0
 }

@@ -25,6 +25,8 @@ pub struct Declaration {
     pub parameters: Vec<Parameter>,
     /// `None`: nothing but its defaults.
     pub presets: Option<PresetFamily>,
+    /// Of a metric: it is measured only where somebody asks for it, and not in every run.
+    pub on_request: bool,
 }
 
 /// Whether a registered thing can draw from the run's random streams, so that its run may differ from one under another
@@ -456,7 +458,13 @@ impl Declaration {
             source: Text::default(),
             parameters: Vec::new(),
             presets: None,
+            on_request: false,
         }
+    }
+
+    /// The same of a metric that is measured only where somebody asks for it.
+    pub fn on_request(self) -> Self {
+        Self { on_request: true, ..self }
     }
 
     /// Where it comes from: paper and equation, or file and version. [`Self::number`] takes it for the parameters that follow.

@@ -124,6 +124,8 @@ pub enum MetricRange {
     },
     /// 0 or 1.
     YesOrNo,
+    /// From 0 to 1.
+    Share,
     /// 0 or more: nothing keeps it from being as large as one likes.
     NotNegative,
     /// Nothing keeps it from being as large as one likes, or as small.
@@ -146,6 +148,7 @@ impl MetricRange {
             Self::DropWithin { window, floor } => {
                 Some(format!("0 to what lies between {FASTEST} m/s and `{floor}`, over `{window}`"))
             }
+            Self::Share => Some("0 to 1".to_string()),
             Self::YesOrNo | Self::DropAbove { .. } | Self::NotNegative | Self::Unlimited => None,
         }
     }
@@ -175,7 +178,7 @@ impl Metric {
             MetricRange::DropAbove { threshold, window, floor } => {
                 f64::from(hardest(&settings, window, floor) > settings.number(threshold))
             }
-            MetricRange::YesOrNo => 1.0,
+            MetricRange::YesOrNo | MetricRange::Share => 1.0,
             MetricRange::NotNegative | MetricRange::Unlimited => return None,
         };
         Some((0.0, high))

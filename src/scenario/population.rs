@@ -1,7 +1,9 @@
-//! Populations: files of individuals, each a parameter set of a pedestrian model, and the one that ships.
+//! Populations: files of individuals, each a parameter set of a pedestrian model, and those that ship.
 //!
 //! JSON with provenance, JSON as the published fits come (several variants in one file), or CSV. The format is
 //! documented in `docs/populations.md`.
+
+mod plausibility;
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -13,13 +15,28 @@ use thiserror::Error;
 use crate::{Declaration, Parameter, Settings, Value};
 use files::Files;
 
-/// The name of the population that ships.
+pub use plausibility::Plausibility;
+
+/// Whoever meets the published criteria.
 pub const STANDARD: &str = "standard";
 
-const STANDARD_FILE: &str = include_str!("population/standard.json");
+/// Weights over such people, who do what people did in an experiment.
+pub const HUMANS: &str = "humans";
+
+/// The populations that are part of the program.
+const SHIPPED: [(&str, &str); 2] =
+    [(STANDARD, include_str!("population/standard.json")), (HUMANS, include_str!("population/humans.json"))];
+
+/// Names of the populations that are part of the program, which need no file.
+pub fn shipped() -> impl Iterator<Item = &'static str> {
+    SHIPPED.iter().map(|(name, _)| *name)
+}
 
 /// The parameter that names a model's variant.
 pub const VARIANT: &str = "variant";
+
+/// In the provenance of a population: the speeds (m/s) of vehicles that its people were observed with.
+pub const VEHICLE_SPEEDS: &str = "vehicle_speeds";
 
 /// A population: parameter sets of one model, numbered from 1.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -92,7 +109,7 @@ pub enum PopulationError {
         error: String,
     },
     /// The name ends neither in `.json` nor in `.csv`.
-    #[error("the population `{}` is neither `{STANDARD}` nor a .json or .csv file", file.display())]
+    #[error("the population `{}` is neither `{STANDARD}` nor `{HUMANS}` nor a .json or .csv file", file.display())]
     UnknownFormat {
         /// The file.
         file: PathBuf,
@@ -268,7 +285,7 @@ impl Population {
         Self::parse(&file.to_string_lossy(), Some(text), model, variant)
     }
 
-    /// The population `name` for a model: [`STANDARD`], or a file, of which `text` is what stands in it or why it cannot be
+    /// The population `name` for a model: one that [ships](shipped), or a file, of which `text` is what stands in it or why it cannot be
     /// read.
     ///
     /// `variant` is the model's variant if the pedestrian says one. A file with several variants gives that one's
@@ -282,8 +299,8 @@ impl Population {
         model: &Declaration,
         variant: Option<&str>,
     ) -> Result<Self, PopulationError> {
-        if name == STANDARD {
-            return Self::from_json(Path::new(STANDARD), STANDARD_FILE, model, variant);
+        if let Some((name, text)) = SHIPPED.iter().find(|(known, _)| *known == name) {
+            return Self::from_json(Path::new(name), text, model, variant);
         }
         let file = Path::new(name);
         let text = || {
@@ -419,6 +436,15 @@ impl Population {
         let content = (&self.model, &self.variant, &self.parameters, &self.individuals, &self.weights);
         let text = serde_json::to_vec(&content).unwrap_or_default();
         Sha256::digest(text).iter().take(8).map(|byte| format!("{byte:02x}")).collect()
+    }
+
+    /// The lowest and the highest speed (m/s) of vehicles that its people were observed with, as its provenance says; `None` where it does
+    /// not.
+    pub fn observed_speeds(&self) -> Option<(f64, f64)> {
+        let speeds = self.provenance.get(VEHICLE_SPEEDS)?.as_array()?;
+        let speeds: Vec<f64> = speeds.iter().filter_map(serde_json::Value::as_f64).collect();
+        let low = speeds.iter().copied().reduce(f64::min)?;
+        Some((low, speeds.iter().copied().fold(low, f64::max)))
     }
 
     /// Whether nobody is in it.

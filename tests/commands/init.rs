@@ -41,6 +41,9 @@ fn the_starter_project_passes_in_an_empty_folder() {
     let ran = run(folder.path(), &["suites/every_change.suite", "--no-progress"]);
     assert_eq!(code(&ran), 0, "{}", text(&ran));
     assert!(text(&ran).contains("10 trials, 67 runs: 10 passed"), "{}", text(&ran));
+    let unknown =
+        "people of `humans` were observed before vehicles at 50 km/h, and here they meet vehicles at 30 km/h";
+    assert_eq!(text(&ran).matches(unknown).count(), 1, "said once: {}", text(&ran));
 
     let all = [&SCENARIOS[..], &SUITES[..]].concat();
     let checked = run(folder.path(), &[&["check"], all.as_slice()].concat());

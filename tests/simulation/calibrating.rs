@@ -191,3 +191,28 @@ fn a_calibrated_population_is_walked_with() {
     others.weights.rotate_left(1);
     assert_ne!(others.digest(), population.digest());
 }
+
+#[test]
+fn closer_is_closer_and_what_is_compared_changes_no_weight() {
+    let usual = calibrated(MATCHED, &ROWS.concat(), &Threads::new(2)).unwrap();
+    let block = format!("{MATCHED}\n  method maximum_entropy within 0.3 errors\n  compare with \"them.csv\"");
+    let closer = calibrated(&block, &ROWS.concat(), &Threads::new(2)).unwrap();
+    let missed = |result: &CalibrateResult| {
+        let apart = |one: &results::CalibratedCondition| (one.share.fitted - one.share.observed).abs();
+        result.conditions.iter().map(apart).sum::<f64>()
+    };
+    assert!(missed(&closer) < 0.8 * missed(&usual), "{} and {}", missed(&closer), missed(&usual));
+    assert!(closer.effective_size < usual.effective_size);
+    let [compared] = &closer.compared[..] else { panic!("{:?}", closer.compared) };
+    assert_eq!((compared.name.as_str(), compared.individuals, compared.shares.len()), ("them.csv", 4, 2));
+    // With more time more people go first.
+    assert!(compared.shares[0].0 < compared.shares[1].0, "{compared:?}");
+    assert!(compared.shares.iter().all(|(share, spread)| (0.0..=*share).contains(spread)));
+    let same = calibrated(
+        &format!("{MATCHED}\n  method maximum_entropy within 1 errors\n  compare with standard"),
+        &ROWS.concat(),
+        &Threads::new(2),
+    )
+    .unwrap();
+    assert_eq!((same.weights, same.conditions), (usual.weights, usual.conditions));
+}

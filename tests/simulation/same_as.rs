@@ -13,10 +13,16 @@ use scenario::{Case, Part, PopulationShare, Target, Value};
 
 /// The encounter with so many people of `standard`.
 fn encounter(people: u32) -> Plan {
+    encounter_of("standard", people)
+}
+
+fn encounter_of(population: &str, people: u32) -> Plan {
     let loaded = lang::load(Path::new("scenarios/people/encounter.scn"), &standard(), &Disk);
     let mut suite = loaded.unwrap_or_else(|_| panic!("it is right")).suite;
     for person in suite.scenarios.iter_mut().flat_map(|scenario| &mut scenario.pedestrians) {
-        person.individuals.as_mut().expect("people").selection = PopulationShare::Count(people);
+        let individuals = person.individuals.as_mut().expect("people");
+        individuals.selection = PopulationShare::Count(people);
+        individuals.population = population.to_string();
     }
     plan::plan(&suite).unwrap_or_else(|errors| panic!("{errors:?}"))
 }
@@ -49,10 +55,10 @@ const COMPUTED: [[f64; 5]; 2] = [[2.0, 8.0, 24.0, 43.0, 64.0], [34.0, 70.0, 92.0
 const KNOWN_TO: f64 = 4.0;
 
 /// Nobody who has not entered within 20 s counts as first.
-fn shares(people: u32) -> Vec<f64> {
+fn shares(population: &str, people: u32) -> Vec<f64> {
     let requests = Requests::defaults(&standard());
     let index = requests.iter().position(|one| one.name() == "gap_accepted").expect("a default");
-    let plan = encounter(people);
+    let plan = encounter_of(population, people);
     let first = |case: &Case| {
         let outcome = run_case(case, &requests, &FreeFlows::default(), &mut Unwatched);
         outcome.expect("a run").metrics[index] == Some(1.0)
@@ -72,13 +78,17 @@ fn shares(people: u32) -> Vec<f64> {
 }
 
 fn compare(people: u32) {
-    for (share, computed) in shares(people).into_iter().zip(COMPUTED.concat()) {
+    held_against("standard", people, &COMPUTED.concat(), KNOWN_TO);
+}
+
+fn held_against(population: &str, people: u32, expected: &[f64], known_to: f64) {
+    for (share, computed) in shares(population, people).into_iter().zip(expected) {
         let known = (computed / 100.0).clamp(0.01, 0.99);
         let chance = 100.0 * (known * (1.0 - known) / f64::from(people)).sqrt();
         let apart = (share - computed).abs();
         assert!(
-            apart <= KNOWN_TO + 3.0 * chance,
-            "{share} where {computed} was computed, by chance {chance}"
+            apart <= known_to + 3.0 * chance,
+            "{population}: {share} where {computed} is expected, by chance {chance}"
         );
     }
 }
@@ -86,6 +96,24 @@ fn compare(people: u32) {
 #[test]
 fn people_of_standard_go_first_as_often_as_was_computed_before() {
     compare(100);
+}
+
+/// What people did, in %.
+fn observed() -> Vec<f64> {
+    let text = std::fs::read_to_string("scenarios/people/human_crossing.csv").expect("it is there");
+    let rows = scenario::Observations::parse("human_crossing.csv", &text).expect("it is right").rows;
+    rows.iter().map(|row| 100.0 * row.share).collect()
+}
+
+#[test]
+fn people_of_humans_go_first_as_often_as_people_did() {
+    held_against("humans", 150, &observed(), 5.0);
+}
+
+#[test]
+#[ignore = "takes a minute"]
+fn many_of_humans_go_first_as_often_as_people_did() {
+    held_against("humans", 3000, &observed(), 3.5);
 }
 
 #[test]

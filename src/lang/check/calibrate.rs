@@ -14,9 +14,10 @@ use crate::diagnostic::Diagnostic;
 use crate::source::Span;
 use crate::syntax;
 use crate::syntax::ast;
-use crate::value::NameScope;
+use crate::value::{self, NameScope};
 use scenario::{
-    Calibrate, CandidateSource, DeclaredPedestrian, Individuals, Observations, PopulationShare, Variation,
+    Calibrate, CandidateSource, DeclaredPedestrian, Dimension, Individuals, Observations, PopulationShare,
+    Variation,
 };
 
 const MOST_CANDIDATES: u32 = 100_000;
@@ -84,7 +85,12 @@ pub fn calibrate(
         }
         None => Some(RUNS),
     };
+    let within = match block.method().and_then(|method| method.within()) {
+        Some(within) => tolerance(within, scope, report),
+        None => Some(1.0),
+    };
     let candidates = candidates_of(candidates, &scenarios, places, report);
+    let compared = block.compare().map(|said| compared(said, places)).unwrap_or_default();
     let able = scenarios.iter().all(|(span, subject)| one_is_weighed(*span, subject, report));
     if let Some(count) = [Some(matched.rate()), block.spread().map(ast::MatchedSpread::rate)]
         .into_iter()
@@ -140,8 +146,10 @@ pub fn calibrate(
         text: rate_text(matched.rate()),
         observations,
         spread: block.spread().is_some(),
+        within: within?,
         folds: folds?,
         runs: runs?,
+        compared,
         origin: places.origin(name.span()),
     })
 }
@@ -225,6 +233,42 @@ fn candidates_of(
     let origin = places.origin(node.span());
     let individuals = Individuals { selection, population, text, origin };
     person.map(|_| CandidateSource::Population(individuals))
+}
+
+/// The smallest and the largest part of an error that targets are matched within.
+const TOLERANCES: (f64, f64) = (0.01, 10.0);
+
+/// How many errors of targets are their tolerance.
+fn tolerance(node: ast::Expression, scope: &NameScope, report: &mut Vec<Diagnostic>) -> Option<f64> {
+    let what = "the number of errors";
+    let value = value::quantity_of(node, Dimension::NUMBER, what, scope, report)?;
+    let number = value
+        .as_constant_number()
+        .or_else(|| value::not_constant(value.span, &value.expression, what, report))?;
+    let (low, high) = TOLERANCES;
+    if (low..=high).contains(&number) {
+        return Some(number);
+    }
+    report.push(
+        Diagnostic::new(
+            Code::OutOfRange,
+            node.span(),
+            format!("{what} is {number}, but must be between {low} and {high}"),
+        )
+        .label("out of range")
+        .hint("1 is as well as the targets are known; 0.5 matches twice as well, by weights that are less equal"),
+    );
+    None
+}
+
+/// Populations that are shown beside, everybody in them.
+fn compared(node: ast::ComparePeople, places: &Places) -> Vec<Individuals> {
+    let one = |node: ast::Population| {
+        let origin = places.origin(node.span());
+        let (population, text) = individuals_of(node, places);
+        Individuals { selection: PopulationShare::All, population, text, origin }
+    };
+    node.populations().map(one).collect()
 }
 
 /// What people did, each row about a condition of one of the scenarios.

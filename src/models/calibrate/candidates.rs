@@ -103,6 +103,9 @@ pub enum CandidateError {
         /// Its high end.
         high: f64,
     },
+    /// A range of a parameter that the candidates have already.
+    #[error("the candidates have values of `{0}`: leave out its range")]
+    Given(Text),
     /// More candidates than a grid has combinations, or than anybody waits for.
     #[error("{wanted} candidates are more than the {most} there can be")]
     TooMany {
@@ -113,10 +116,52 @@ pub enum CandidateError {
     },
 }
 
+fn check_ranges<'r>(
+    ranges: impl Iterator<Item = &'r ParameterRange>,
+    model: &Declaration,
+) -> Result<(), CandidateError> {
+    for range in ranges {
+        let ParameterRange { name, low, high, .. } = range.clone();
+        let parameter =
+            model.parameter(&name).ok_or_else(|| CandidateError::UnknownParameter(name.to_string()))?;
+        parameter.check(&model.name, &Value::Number(low))?;
+        parameter.check(&model.name, &Value::Number(high))?;
+        if !(low > 0.0 && high >= low) {
+            return Err(CandidateError::BadRange { name, low, high });
+        }
+    }
+    Ok(())
+}
+
 /// More candidates than this are taken for a mistake.
 const MOST_CANDIDATES: usize = 10_000_000;
 
 impl Candidates {
+    /// The same candidates with more parameters, each over its range in strata on a log scale: who has which value is drawn by `seed`.
+    ///
+    /// # Errors
+    /// For ranges that cannot be, and for parameters that the candidates have.
+    pub fn with_ranges(
+        mut self,
+        ranges: &[ParameterRange],
+        seed: u64,
+        model: &Declaration,
+    ) -> Result<Self, CandidateError> {
+        check_ranges(ranges.iter(), model)?;
+        for range in ranges {
+            if self.names.iter().any(|name| *name == range.name) {
+                return Err(CandidateError::Given(range.name.clone()));
+            }
+            let mut stream = Stream::seeded(derive_seed(seed, &format!("candidates/{}", range.name)));
+            let slices = Slices::drawn(self.rows.len(), &mut stream);
+            for (index, row) in self.rows.iter_mut().enumerate() {
+                row.push(range.at(slices.place(index, &mut stream)));
+            }
+            self.names.push(range.name.to_string());
+        }
+        Ok(self)
+    }
+
     /// The candidates of a design over `ranges`, crossed with the rows of `base`, which gives other parameters.
     ///
     /// A range of a parameter that `base` gives is left out. Without a base, pass one with a single empty row.
@@ -132,16 +177,7 @@ impl Candidates {
     ) -> Result<Self, CandidateError> {
         let ranges: Vec<&ParameterRange> =
             ranges.iter().filter(|range| !base.names.iter().any(|name| *name == range.name)).collect();
-        for range in &ranges {
-            let ParameterRange { name, low, high, .. } = (*range).clone();
-            let parameter =
-                model.parameter(&name).ok_or_else(|| CandidateError::UnknownParameter(name.to_string()))?;
-            parameter.check(&model.name, &Value::Number(low))?;
-            parameter.check(&model.name, &Value::Number(high))?;
-            if !(low > 0.0 && high >= low) {
-                return Err(CandidateError::BadRange { name, low, high });
-            }
-        }
+        check_ranges(ranges.iter().copied(), model)?;
         let sets = base.rows.len();
         let combinations =
             ranges.iter().fold(sets, |product, range| product.saturating_mul(range.levels.max(1)));

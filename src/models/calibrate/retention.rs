@@ -170,10 +170,15 @@ impl Report {
             ("retained", json!(self.retained.len())),
             ("criteria", json!(failed)),
         ];
+        let source = if criteria.is_empty() {
+            "candidates by parameters of Markkula et al., PNAS Nexus 2(6), 2023; no criterion was asked of them"
+        } else {
+            "retained by the procedure of Markkula et al., PNAS Nexus 2(6), 2023"
+        };
         Population {
             model: commotions().declaration.name.to_string(),
             variant: Some(variant.to_string()),
-            source: "retained by the procedure of Markkula et al., PNAS Nexus 2(6), 2023".to_owned(),
+            source: source.to_owned(),
             provenance: provenance.map(|(name, value)| (name.to_owned(), value)).into(),
             weights: Vec::new(),
             parameters: request.candidates.names.clone(),

@@ -15,6 +15,7 @@ mod headway;
 mod jerk;
 mod kerb;
 mod lateral;
+mod people;
 mod proximity;
 mod signal;
 mod sliding;
@@ -52,5 +53,6 @@ pub fn metrics() -> Vec<Metric> {
         crossing::crossing_initiation_time(),
         crossing::crossing_duration(),
         crossing::pedestrian_delay(),
+        people::plausibility(),
     ]
 }

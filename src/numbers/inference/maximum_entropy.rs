@@ -56,6 +56,20 @@ pub fn maximum_entropy(features: &[Vec<f64>], targets: &[WeightTarget]) -> Entro
     entropy_weights(features, targets, STRENGTH)
 }
 
+/// As [`maximum_entropy`], with so many of their errors as the tolerance of the targets: a part of one matches better, and by weights
+/// that are less equal.
+///
+/// # Panics
+/// As [`maximum_entropy`], and for a number that is not positive.
+pub fn maximum_entropy_within(
+    errors: f64,
+    features: &[Vec<f64>],
+    targets: &[WeightTarget],
+) -> EntropyWeights {
+    assert!(errors > 0.0, "a tolerance is positive");
+    entropy_weights(features, targets, STRENGTH * errors * errors)
+}
+
 /// The mixture that comes nearest to the targets, however few candidates it is of.
 ///
 /// # Panics
@@ -171,10 +185,15 @@ fn dot(one: &[f64], other: &[f64]) -> f64 {
     one.iter().zip(other).map(|(one, other)| one * other).sum()
 }
 
-/// Solves for the step of Newton's method by Cholesky's decomposition; the matrix is positive definite, its lower half given.
-fn descend(mut matrix: Vec<Vec<f64>>, gradient: &[f64]) -> Vec<f64> {
-    let count = gradient.len();
-    for row in 0..count {
+/// Solves for the step of Newton's method.
+fn descend(matrix: Vec<Vec<f64>>, gradient: &[f64]) -> Vec<f64> {
+    let down: Vec<f64> = gradient.iter().map(|one| -one).collect();
+    solved(&factor(matrix), &down)
+}
+
+/// Cholesky's decomposition of a positive definite matrix, of which the lower half is given, in the lower half.
+pub(super) fn factor(mut matrix: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    for row in 0..matrix.len() {
         for column in 0..=row {
             let known: f64 = (0..column).map(|at| matrix[row][at] * matrix[column][at]).sum();
             let rest = matrix[row][column] - known;
@@ -185,16 +204,22 @@ fn descend(mut matrix: Vec<Vec<f64>>, gradient: &[f64]) -> Vec<f64> {
             };
         }
     }
-    let mut step = vec![0.0; count];
+    matrix
+}
+
+/// The solution of the equations whose matrix has these [`factor`]s.
+pub(super) fn solved(factors: &[Vec<f64>], right: &[f64]) -> Vec<f64> {
+    let count = right.len();
+    let mut found = vec![0.0; count];
     for row in 0..count {
-        let known: f64 = (0..row).map(|at| matrix[row][at] * step[at]).sum();
-        step[row] = (-gradient[row] - known) / matrix[row][row];
+        let known: f64 = (0..row).map(|at| factors[row][at] * found[at]).sum();
+        found[row] = (right[row] - known) / factors[row][row];
     }
     for row in (0..count).rev() {
-        let known: f64 = (row + 1..count).map(|at| matrix[at][row] * step[at]).sum();
-        step[row] = (step[row] - known) / matrix[row][row];
+        let known: f64 = (row + 1..count).map(|at| factors[at][row] * found[at]).sum();
+        found[row] = (found[row] - known) / factors[row][row];
     }
-    step
+    found
 }
 
 #[cfg(test)]

@@ -9,11 +9,14 @@ mod paired_rates;
 mod quantile;
 mod sequential;
 mod share;
+mod smoothed_shares;
 mod trinomial;
 
 pub use bounded_mean::{IndependentUnit, MeanWatch, mean_of_bounded, runs_for_mean};
 pub use comparison::{McNemar, holm, mcnemar};
-pub use maximum_entropy::{EntropyWeights, WeightTarget, effective_size, maximum_entropy, nearest_mixture};
+pub use maximum_entropy::{
+    EntropyWeights, WeightTarget, effective_size, maximum_entropy, maximum_entropy_within, nearest_mixture,
+};
 pub use mean::{mean_interval, paired_difference};
 pub use paired_means::MeanChange;
 pub use paired_rates::{rate_change, rate_rise};
@@ -22,6 +25,8 @@ pub use sequential::{ConfidenceSequence, Sequential, ShareDecision, Sprt};
 pub use share::{
     clopper_pearson, confidence_of_worst, failures_allowed, lower_bound, runs_needed, upper_bound, wilson,
 };
+
+pub use smoothed_shares::{CandidateShares, HeldCounts};
 
 use serde::{Deserialize, Serialize};
 

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{evaluate, search, tune};
+use super::{calibrate, evaluate, search, tune};
 use crate::failure::render_block_failure;
 use results::{BlockReport, BlockResult, BlockState, SuiteReport, Verdict};
 use scenario::Block;
@@ -24,6 +24,7 @@ pub struct BlockSection {
     search: Option<search::SearchSection>,
     tune: Option<tune::TuneSection>,
     evaluate: Option<evaluate::EvaluateSection>,
+    calibrate: Option<calibrate::CalibrateSection>,
 }
 
 impl BlockSection {
@@ -55,6 +56,7 @@ impl BlockSection {
             search: None,
             tune: None,
             evaluate: None,
+            calibrate: None,
         };
         section.fill(report, block);
         section
@@ -81,15 +83,8 @@ impl BlockSection {
                 self.evaluate = Some(evaluate::EvaluateSection::new(report, evaluate, result));
             }
             (Block::Calibrate(_), BlockResult::Calibrate(result)) => {
-                self.summary = format!(
-                    "{} to {}: effective size {:.0} of {}, shares at most {:.1} points from people under fresh noise, digest {}",
-                    result.matched,
-                    result.observations,
-                    result.effective_size,
-                    result.weights.len(),
-                    100.0 * result.worst_fresh(),
-                    result.digest
-                );
+                self.summary = calibrate::CalibrateSection::summary(result);
+                self.calibrate = Some(calibrate::CalibrateSection::new(result));
             }
             // A result of another kind than its block cannot be; nothing would be shown of it.
             _ => {}

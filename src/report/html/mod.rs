@@ -1,6 +1,7 @@
 //! The report as one HTML file that needs nothing else: no network, no fonts, and no JavaScript but for the animation.
 
 mod block;
+mod calibrate;
 mod embed;
 mod evaluate;
 mod figure;
@@ -23,13 +24,14 @@ use files::escape::html_characters;
 use results::Results;
 
 /// The page and its parts.
-const TEMPLATES: [(&str, &str); 9] = [
+const TEMPLATES: [(&str, &str); 10] = [
     ("page.html", include_str!("page.html")),
     ("figure.html", include_str!("figure.html")),
     ("statements.html", include_str!("statements.html")),
     ("search.html", include_str!("search.html")),
     ("tune.html", include_str!("tune.html")),
     ("evaluate.html", include_str!("evaluate.html")),
+    ("calibrate.html", include_str!("calibrate.html")),
     ("gate.html", include_str!("gate.html")),
     ("rating.html", include_str!("rating.html")),
     ("comparisons.html", include_str!("comparisons.html")),

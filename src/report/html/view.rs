@@ -80,6 +80,8 @@ struct Suite {
     counts: Counts,
     /// Which programs were tested, and how fast they answered.
     controllers: Vec<String>,
+    /// Which populations people are of.
+    people: Vec<String>,
     warnings: Vec<String>,
     statements: Option<Statements>,
     scenarios: Vec<Scenario>,
@@ -300,7 +302,17 @@ fn suite<'r>(
         seconds: format!("{:.2}", report.wall_time.as_secs_f64()),
         counts,
         controllers: report.controllers.iter().filter_map(controllers::in_words).collect(),
-        warnings: report.controllers.iter().filter_map(TestedController::nondeterminism).collect(),
+        people: report
+            .people
+            .iter()
+            .map(|one| format!("People of {}, digest {}.", one.population, one.digest))
+            .collect(),
+        warnings: report
+            .controllers
+            .iter()
+            .filter_map(TestedController::nondeterminism)
+            .chain(report.people.iter().filter_map(|one| one.warning.clone()))
+            .collect(),
         statements: Statements::new(report),
         scenarios: all_scenarios(report, &columns, animated),
         figures: figures(report, requests, drawn).into_iter().map(HtmlFigure::from).collect(),

@@ -170,6 +170,7 @@ impl Suite {
             trials: self.trials.into_iter().map(|one| one.report(requests)).collect::<Result<_, _>>()?,
             summary: None,
             controllers: Vec::new(),
+            people: Vec::new(),
             blocks: Vec::new(),
             gates: self.gates.into_iter().map(GateOfSuite::report).collect::<Result<_, _>>()?,
             ratings: Vec::new(),

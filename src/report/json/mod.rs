@@ -128,6 +128,9 @@ fn suite_object<'v>(report: &'v SuiteReport, requests: &'v Requests) -> Object<'
     if !report.controllers.is_empty() {
         own.insert("controllers".into(), plain(&report.controllers));
     }
+    if !report.people.is_empty() {
+        own.insert("people".into(), plain(&report.people));
+    }
     if !report.identity.set.is_empty() {
         own.insert("set".into(), json!(report.identity.set));
     }

@@ -11,9 +11,9 @@ use super::first_layout;
 use super::parts::{FaultOfRun, Run, faults, gate_state, judged, says};
 use results::{
     BlockReport, BlockResult, BlockState, Chosen, Cut, Finding, GateReport, GateVerdict, Horizon, NotJudged,
-    NotRated, Outcome, Program, RatingReport, RatingResult, RatingState, Recorded, RecordedReport,
-    RecordedState, Recording, Refusal, Requests, Results, RunsTaken, Skip, SuiteIdentity, SuiteReport,
-    TestedController, TrialReport, TrialState, UnitError,
+    NotRated, Outcome, PeopleUsed, Program, RatingReport, RatingResult, RatingState, Recorded,
+    RecordedReport, RecordedState, Recording, Refusal, Requests, Results, RunsTaken, Skip, SuiteIdentity,
+    SuiteReport, TestedController, TrialReport, TrialState, UnitError,
 };
 use scenario::registry::Registry;
 use scenario::{Block, Gate, Rating, Trial};
@@ -63,6 +63,8 @@ struct Suite {
     record: SuiteRecord,
     #[serde(default)]
     controllers: Vec<TestedController>,
+    #[serde(default)]
+    people: Vec<PeopleUsed>,
     recorded: Vec<RecordedRun>,
     trials: Vec<TrialOfSuite>,
     blocks: Vec<BlockOfSuite>,
@@ -196,6 +198,7 @@ impl Suite {
             trials: self.trials.into_iter().map(|one| one.report(requests)).collect::<Result<_, _>>()?,
             summary: None,
             controllers: self.controllers,
+            people: self.people,
             blocks: self.blocks.into_iter().map(BlockOfSuite::report).collect::<Result<_, _>>()?,
             gates: self.gates.into_iter().map(GateOfSuite::report).collect::<Result<_, _>>()?,
             ratings: self.ratings.into_iter().map(RatingOfSuite::report).collect::<Result<_, _>>()?,

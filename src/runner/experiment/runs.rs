@@ -1,10 +1,11 @@
 //! Cases run for an experiment, and metrics summed up over them.
 
+use std::sync::Arc;
 use std::time::Duration;
 
 use super::context::Context;
 use super::error::ExperimentError;
-use crate::run::{BatchError, RunBatch};
+use crate::run::{BatchError, MeasuredMetrics, RunBatch};
 use numbers::summary::{mean, variance_of_mean};
 use results::judge::{Seen, aggregate_against, counted, holds_undefined};
 use results::{CaseRun, MetricSummary, Outcome, SavedCase};
@@ -14,7 +15,17 @@ impl Context<'_> {
     /// Runs every case, in a round; the outcomes are in the order of the cases. The first of a block or condition has the number 0: it is made
     /// twice.
     pub(super) fn run_all(&self, number: usize, cases: &[Case]) -> Result<Vec<Outcome>, ExperimentError> {
-        let batch = RunBatch { executor: self.executor, measured: &self.measured, stop: &self.stop };
+        self.run_reading(&self.measured, number, cases)
+    }
+
+    /// As [`Self::run_all`], reading other metrics off the runs.
+    pub(super) fn run_reading(
+        &self,
+        measured: &Arc<MeasuredMetrics>,
+        number: usize,
+        cases: &[Case],
+    ) -> Result<Vec<Outcome>, ExperimentError> {
+        let batch = RunBatch { executor: self.executor, measured, stop: &self.stop };
         batch.outcomes_keeping(&self.first_runs, number, cases.iter().cloned(), || ()).map_err(|error| {
             match error {
                 BatchError::Run { key, error } => ExperimentError::Run { values: String::new(), key, error },

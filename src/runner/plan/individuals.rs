@@ -130,7 +130,7 @@ fn too_few(group: &str, size: usize, each: usize, individuals: &Individuals, kno
 }
 
 /// Everybody in the population of a pedestrian.
-fn read(pedestrian: &DeclaredPedestrian, individuals: &Individuals) -> Result<People, PlanError> {
+pub(super) fn read(pedestrian: &DeclaredPedestrian, individuals: &Individuals) -> Result<People, PlanError> {
     let origin = &individuals.origin;
     let name = &pedestrian.model.first;
     let model = name.entry().ok_or_else(|| {
@@ -143,7 +143,7 @@ fn read(pedestrian: &DeclaredPedestrian, individuals: &Individuals) -> Result<Pe
     let text = individuals.text.as_ref().map(|text| text.as_deref().map_err(String::as_str));
     People::parse(&individuals.population, text, &model.declaration, variant(pedestrian)).map_err(|error| {
         PlanError::new(origin, error.to_string()).with_hint(
-            "take `standard`, the population that ships, or a file as docs/populations.md describes it",
+            "take `standard` or `humans`, which ship, or a file as docs/populations.md describes it",
         )
     })
 }
@@ -152,25 +152,54 @@ fn read(pedestrian: &DeclaredPedestrian, individuals: &Individuals) -> Result<Pe
 /// it, drawn or not. How the file is laid out does not matter.
 pub fn populations(suite: &Suite) -> Result<BTreeMap<String, String>, PlanError> {
     let pedestrians = suite.scenarios.iter().flat_map(|scenario| &scenario.pedestrians);
-    let mut known: BTreeMap<(&str, &str, Option<&str>), Vec<u8>> = BTreeMap::new();
+    let mut known: BTreeMap<(&str, &str, Option<&str>), Everybody> = BTreeMap::new();
     for pedestrian in pedestrians {
         let Some(individuals) = &pedestrian.individuals else { continue };
         let key = (individuals.population.as_str(), pedestrian.model.first.name(), variant(pedestrian));
         if let Entry::Vacant(place) = known.entry(key) {
-            let people = read(pedestrian, individuals)?;
-            let everybody: Vec<Settings> =
-                (1..=people.len()).filter_map(|number| people.individual(number)).collect();
-            place.insert(serde_json::to_vec(&everybody).expect("plain data serialises"));
+            place.insert(Everybody::of(&read(pedestrian, individuals)?));
         }
     }
-    let mut digests: BTreeMap<String, Sha256> = BTreeMap::new();
+    let mut digests: BTreeMap<String, Vec<Everybody>> = BTreeMap::new();
     for ((population, ..), everybody) in known {
-        digests.entry(file_name(population)).or_default().update(everybody);
+        digests.entry(file_name(population)).or_default().push(everybody);
     }
-    let hexadecimal = |digest: Sha256| -> String {
-        digest.finalize().iter().take(8).map(|byte| format!("{byte:02x}")).collect()
-    };
-    Ok(digests.into_iter().map(|(name, digest)| (name, hexadecimal(digest))).collect())
+    Ok(digests.into_iter().map(|(name, several)| (name, digest(&several))).collect())
+}
+
+/// Who is in a population, as a digest is made of it.
+enum Everybody {
+    /// One after the other.
+    Each(Vec<u8>),
+    /// Rows and weights, by the digest that a calibration tells of its population.
+    Weighted(String),
+}
+
+impl Everybody {
+    fn of(people: &People) -> Self {
+        if !people.weights.is_empty() {
+            return Self::Weighted(people.digest());
+        }
+        let everybody: Vec<Settings> =
+            (1..=people.len()).filter_map(|number| people.individual(number)).collect();
+        Self::Each(serde_json::to_vec(&everybody).expect("plain data serialises"))
+    }
+
+    fn bytes(&self) -> &[u8] {
+        match self {
+            Self::Each(bytes) => bytes,
+            Self::Weighted(digest) => digest.as_bytes(),
+        }
+    }
+}
+
+fn digest(several: &[Everybody]) -> String {
+    if let [Everybody::Weighted(digest)] = several {
+        return digest.clone();
+    }
+    let mut digest = Sha256::default();
+    several.iter().for_each(|one| digest.update(one.bytes()));
+    digest.finalize().iter().take(8).map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// The variant that the scenario asks of the pedestrian's model, if it says so outright.
@@ -201,7 +230,7 @@ fn in_order_of_draws(count: usize, size: usize, seed: u64) -> Vec<usize> {
 }
 
 /// A population by the name of its file, which is the same wherever the project lies.
-fn file_name(population: &str) -> String {
+pub(super) fn file_name(population: &str) -> String {
     let name = Path::new(population).file_name();
     name.map_or_else(|| population.to_string(), |name| name.to_string_lossy().into_owned())
 }

@@ -10,6 +10,7 @@ mod places;
 mod sampling;
 mod setup;
 mod standalone;
+mod unobserved;
 mod variables;
 mod variation;
 
@@ -23,6 +24,7 @@ pub use individuals::{label as people_label, select as select_people};
 pub use lazily::{Cases, PlannedTrial, ScenarioPlan, plan_scenario};
 pub(crate) use lazily::{Outline, outline, probe_scenario};
 pub use standalone::standalone;
+pub(crate) use unobserved::people_used;
 pub use variables::{Variables, criteria, variables};
 pub(crate) use variation::expand as combinations;
 

@@ -173,6 +173,7 @@ impl<'a> Session<'a> {
         judge_ratings(&runner, &mut suites);
         judge_gates(&runner, &mut suites, self.lenient);
         self.lock().extend(runner.notices());
+        self.lock().extend(suites.iter().flat_map(|one| &one.people).filter_map(|one| one.warning.clone()));
         let mut results = Results { requests: runner.requests().clone(), suites, recordings: Vec::new() };
         if self.courses {
             match courses(&runner, &results.suites, &mut self.lock()) {

@@ -7,6 +7,7 @@ use super::shared::Runner;
 use super::tested_programs::tested_controllers;
 use super::trials::KeptTrials;
 use super::unit::{UnitKind, Units};
+use crate::plan::people_used;
 use results::{
     CutBy, Evaluations, Event, Program, Reporter, Skip, Standing, Stopping, SuiteReport, UnitReport,
 };
@@ -213,6 +214,10 @@ impl<'t, 'a> Reporting<'t, 'a> {
             summary,
             blocks: Vec::new(),
             controllers: tested_controllers(&self.runner.suites()[suite].suite),
+            people: people_used(
+                &self.runner.suites()[suite].suite,
+                &self.runner.suites()[suite].plan.populations,
+            ),
             gates: Vec::new(),
             ratings: Vec::new(),
             interrupted: false,

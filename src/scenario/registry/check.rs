@@ -162,6 +162,7 @@ pub fn metric(metric: &Metric) -> Result<(), RegistryError> {
         MetricRange::WithinRun
         | MetricRange::TwoSpeeds
         | MetricRange::YesOrNo
+        | MetricRange::Share
         | MetricRange::NotNegative
         | MetricRange::Unlimited => Vec::new(),
     };

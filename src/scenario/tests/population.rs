@@ -4,7 +4,8 @@ use std::path::Path;
 
 use files::Disk;
 use models::pedestrian::commotions::model::commotions;
-use scenario_runner_scenario::population::{Population, PopulationError, STANDARD};
+use scenario_runner_scenario::population::{HUMANS, Plausibility, Population, PopulationError, STANDARD};
+use scenario_runner_scenario::{Settings, Value};
 
 fn csv(text: &str) -> Result<Population, PopulationError> {
     Population::from_csv(Path::new("people.csv"), text, &commotions().declaration, None)
@@ -25,6 +26,81 @@ fn the_shipped_population_has_a_thousand_individuals_and_its_provenance() {
     let first = standard.individual(1).unwrap();
     assert_eq!(first.number("T_delta"), standard.individuals[0][0]);
     assert!(standard.individual(0).is_none() && standard.individual(standard.len() + 1).is_none());
+}
+
+fn shipped(name: &str) -> Population {
+    Population::parse(name, None, &commotions().declaration, None).unwrap()
+}
+
+/// Pages and reports name them by that.
+#[test]
+fn humans_are_those_that_pages_speak_of() {
+    let humans = shipped(HUMANS);
+    assert_eq!(humans.digest(), "bc9872f195ce1122");
+    assert_eq!((humans.individuals.len(), humans.len()), (2000, 10_000));
+    assert_eq!(humans.observed_speeds(), Some((50.0 / 3.6, 50.0 / 3.6)));
+    assert!(humans.source.contains("CC BY-NC-SA 4.0") && humans.source.contains("less consistent"));
+    for what in ["tool", "matched", "observations", "candidates", "effective_size", "conditions", "warnings"]
+    {
+        assert!(humans.provenance.contains_key(what), "{what}");
+    }
+    let candidates = "../../scenarios/people/candidates.json";
+    let candidates = Population::read(Path::new(candidates), &commotions().declaration, None, &Disk).unwrap();
+    assert_eq!(humans.parameters, candidates.parameters);
+    assert_eq!(humans.individuals, candidates.individuals);
+}
+
+#[test]
+fn a_person_is_as_plausible_as_so_many_of_the_population_are_unusual() {
+    let model = commotions().declaration;
+    let resolved = |person: &Settings| model.resolve(person).unwrap();
+    for name in [STANDARD, HUMANS] {
+        let people = shipped(name);
+        let plausibility = Plausibility::of(&people).unwrap();
+        let tails: Vec<f64> = (1..=people.len())
+            .step_by(people.len() / 500)
+            .map(|number| plausibility.tail(&model, &resolved(&people.individual(number).unwrap())).unwrap())
+            .collect();
+        for share in [0.05, 0.25, 0.5, 0.75] {
+            let below = tails.iter().filter(|tail| **tail <= share).count() as f64 / tails.len() as f64;
+            assert!((below - share).abs() < 0.06, "{name}: {below} of its members are below {share}");
+        }
+    }
+}
+
+#[test]
+fn of_whom_a_population_says_nothing_nothing_is_said() {
+    let model = commotions().declaration;
+    let humans = shipped(HUMANS);
+    let plausibility = Plausibility::of(&humans).unwrap();
+    let usual = model.resolve(&humans.individual(5000).unwrap()).unwrap();
+    let with = |name: &str, value: Value| {
+        let mut person = usual.clone();
+        person.set(name.to_string(), value);
+        plausibility.tail(&model, &person)
+    };
+    assert!(plausibility.tail(&model, &usual).unwrap() > 0.0);
+    // Nobody is like that.
+    assert_eq!(with("T_delta", Value::Number(1.0)), Some(0.0));
+    assert_eq!(with("ped_free_speed", Value::Number(5.0)), Some(0.0));
+    assert_eq!(with("beta_V", Value::Number(0.0)), Some(0.0));
+    // Not a person of whom they tell: however usual the rest is, that is no reason to call it plausible.
+    assert_eq!(with("T_s", Value::Number(3.0)), None);
+    assert_eq!(with("dt", Value::Number(0.1)), None);
+    assert_eq!(with("variant", Value::Word("oVAoBEvoAI".into())), None);
+    // What is not of the population cannot be known to it; nor without one of its parameters.
+    let nobody = Settings::default();
+    assert_eq!(plausibility.tail(&model, &nobody), None);
+    let alike = csv("T_delta,beta_V\n10,20\n30,20\n50,20\n70,20\n35,20\n").unwrap();
+    let alike = Plausibility::of(&alike).unwrap();
+    let person = |beta: f64| {
+        let mut person = Settings::default();
+        person.set("T_delta", Value::Number(32.0));
+        person.set("beta_V", Value::Number(beta));
+        alike.tail(&model, &person)
+    };
+    assert!(person(20.0).unwrap() > 0.5);
+    assert_eq!(person(21.0), Some(0.0));
 }
 
 #[test]

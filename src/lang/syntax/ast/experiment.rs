@@ -127,6 +127,7 @@ views! {
         method: (CalibrateMethod),
         folds: (Folds),
         repeat: (Repeat),
+        compare: (ComparePeople),
     }
     /// `candidates 2000 by latin_hypercube` or `candidates all of "people.csv"`
     Candidates = candidates {
@@ -141,9 +142,12 @@ views! {
     Matched = matched { rate: Rate, path: Text, undefined: (Undefined) }
     /// `match spread between individuals of rate(gap_accepted)`
     MatchedSpread = matched_spread { rate: Rate }
-    CalibrateMethod = calibrate_method {}
+    /// `method maximum_entropy within 0.5 errors`
+    CalibrateMethod = calibrate_method { within: (Expression) }
     /// `folds 5`
     Folds = folds { count: Integer }
+    /// `compare with standard, "people.json"`
+    ComparePeople = compare_people { populations: [Population] }
     /// `statement NAME { … }`
     Statement = statement { name: Name, block: StatementBlock }
     StatementBlock = statement_block {
@@ -403,13 +407,20 @@ pub static CALIBRATE_BLOCK: BlockEntry = BlockEntry {
         statement(
             "method",
             Rule::calibrate_method,
-            "method maximum_entropy",
-            "The smallest change from equal weights that matches within error.",
+            "method maximum_entropy`, `method maximum_entropy within 0.5 errors",
+            "The smallest change from equal weights that matches within error, or within a part of it.",
         )
         .key("method", YamlShape::Words),
         statement("folds", Rule::folds, "folds 5", "In how many parts conditions are held back in turn.")
             .key("folds", YamlShape::Words),
         REPEAT,
+        statement(
+            "compare",
+            Rule::compare_people,
+            "compare with standard, \"people.json\"",
+            "Other populations in the same conditions, shown beside people and the weighed candidates.",
+        )
+        .key("compare", YamlShape::Words),
     ],
 };
 

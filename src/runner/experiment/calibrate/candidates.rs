@@ -5,8 +5,8 @@ use numbers::design::Slices;
 use numbers::random::{Stream, derive_seed};
 use scenario::population::Population;
 use scenario::{
-    Calibrate, CandidateSource, DeclaredPedestrian, PedestrianModel, PopulationShare, Scenario, Settings,
-    Value,
+    Calibrate, CandidateSource, DeclaredPedestrian, Individuals, PedestrianModel, PopulationShare, Scenario,
+    Settings, Value,
 };
 
 /// Parameter sets to be weighed.
@@ -28,26 +28,58 @@ pub fn weighed(scenario: &Scenario) -> Option<&DeclaredPedestrian> {
     people.clone().find(|person| person.individuals.is_some()).or_else(|| people.find(takes))
 }
 
+fn failed(reason: String, hint: &str) -> ExperimentError {
+    ExperimentError::Calibration { reason, hint: (!hint.is_empty()).then(|| hint.to_string()) }
+}
+
+/// The pedestrian of a scenario that the candidates are, with their model and what the scenario says of it.
+fn person_of(
+    scenario: &Scenario,
+) -> Result<(&DeclaredPedestrian, &PedestrianModel, Settings), ExperimentError> {
+    let no_model = || failed(format!("nobody of `{}` takes individuals", scenario.name), "");
+    let person = weighed(scenario).ok_or_else(no_model)?;
+    let model: &PedestrianModel = person.model.first.entry().ok_or_else(no_model)?;
+    let mut said = Settings::default();
+    for (name, value) in &person.model.settings {
+        if let scenario::Expression::Constant(value) = value {
+            said.set(name.clone(), value.clone());
+        }
+    }
+    Ok((person, model, said))
+}
+
+fn variant_of(said: &Settings) -> Option<String> {
+    match said.get(scenario::population::VARIANT) {
+        Some(Value::Word(word)) => Some(word.clone()),
+        _ => None,
+    }
+}
+
+/// A population by the name of its file.
+pub fn file_name(population: &str) -> String {
+    let name = std::path::Path::new(population).file_name();
+    name.map_or_else(|| population.to_string(), |name| name.to_string_lossy().into_owned())
+}
+
 impl WeighedCandidates {
+    /// A population for the pedestrian of `scenario` that the candidates are, with the variant of its model.
+    pub fn population(
+        people: &Individuals,
+        scenario: &Scenario,
+    ) -> Result<(Population, Option<String>), ExperimentError> {
+        let (_, model, said) = person_of(scenario)?;
+        let variant = variant_of(&said);
+        let text = people.text.as_ref().map(|text| text.as_deref().map_err(String::as_str));
+        let read = Population::parse(&people.population, text, &model.declaration, variant.as_deref());
+        let read = read.map_err(|error| failed(error.to_string(), ""))?;
+        let variant = read.variant.clone().or(variant);
+        Ok((read, variant))
+    }
+
     /// Those of a calibration of which `scenario` is one.
     pub fn of(block: &Calibrate, scenario: &Scenario, seed: u64) -> Result<Self, ExperimentError> {
-        let failed = |reason: String, hint: &str| ExperimentError::Calibration {
-            reason,
-            hint: (!hint.is_empty()).then(|| hint.to_string()),
-        };
-        let no_model = || failed(format!("nobody of `{}` takes individuals", scenario.name), "");
-        let person = weighed(scenario).ok_or_else(no_model)?;
-        let model: &PedestrianModel = person.model.first.entry().ok_or_else(no_model)?;
-        let mut said = Settings::default();
-        for (name, value) in &person.model.settings {
-            if let scenario::Expression::Constant(value) = value {
-                said.set(name.clone(), value.clone());
-            }
-        }
-        let variant = match said.get(scenario::population::VARIANT) {
-            Some(Value::Word(word)) => Some(word.clone()),
-            _ => None,
-        };
+        let (person, model, said) = person_of(scenario)?;
+        let variant = variant_of(&said);
         let mut found = match &block.candidates {
             CandidateSource::LatinHypercube(count) => {
                 let settings =
@@ -60,10 +92,7 @@ impl WeighedCandidates {
                 })?
             }
             CandidateSource::Population(people) => {
-                let text = people.text.as_ref().map(|text| text.as_deref().map_err(String::as_str));
-                let read =
-                    Population::parse(&people.population, text, &model.declaration, variant.as_deref());
-                let read = read.map_err(|error| failed(error.to_string(), ""))?;
+                let (read, variant) = Self::population(people, scenario)?;
                 let mut rows = read.individuals;
                 let all = rows.len();
                 if let PopulationShare::Count(count) = people.selection {
@@ -74,11 +103,7 @@ impl WeighedCandidates {
                     }
                     Stream::seeded(derive_seed(seed, "candidates")).draw(&mut rows, count as usize);
                 }
-                let name = std::path::Path::new(&people.population).file_name();
-                let name = name
-                    .map_or_else(|| people.population.clone(), |name| name.to_string_lossy().into_owned());
-                let words = format!("{} of the {all} of {name}", rows.len());
-                let variant = read.variant.or_else(|| variant.clone());
+                let words = format!("{} of the {all} of {}", rows.len(), file_name(&people.population));
                 Self { model: read.model, variant, names: read.parameters, rows, words }
             }
         };
@@ -138,6 +163,22 @@ impl WeighedCandidates {
             settings.set(name.clone(), Value::Number(*value));
         }
         settings
+    }
+
+    /// Where each stands among the others: logarithms of parameters that are positive for everybody, and the others as they are. Their order
+    /// is that of the names, so that it does not matter how a file is laid out.
+    pub fn coordinates(&self) -> Vec<Vec<f64>> {
+        let mut columns: Vec<usize> = (0..self.names.len()).collect();
+        columns.sort_by_key(|column| &self.names[*column]);
+        let positive: Vec<bool> =
+            (0..self.names.len()).map(|column| self.rows.iter().all(|row| row[column] > 0.0)).collect();
+        let place = |row: &Vec<f64>| {
+            columns
+                .iter()
+                .map(|column| if positive[*column] { libm::log(row[*column]) } else { row[*column] })
+                .collect()
+        };
+        self.rows.iter().map(place).collect()
     }
 
     /// What noise the candidate has, wherever it stands among the others.

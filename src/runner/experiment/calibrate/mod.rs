@@ -3,6 +3,7 @@
 //! Weights come from one half of the runs; how good they are is said of the other half, whose noise no weight has seen.
 
 mod candidates;
+mod compared;
 mod observed;
 mod record;
 mod weigh;
@@ -10,14 +11,17 @@ mod weigh;
 use super::context::{BlockProgress, Context};
 use super::error::ExperimentError;
 use crate::plan;
+use crate::run::MeasuredMetrics;
 use candidates::{WeighedCandidates, weighed};
+use compared::{ComparedPeople, compare};
 use numbers::inference::effective_size;
 use numbers::random::derive_seed;
 use observed::Observed;
 use record::{HeldRecord, HeldRuns};
 use results::judge::Seen;
-use results::{CalibrateResult, CalibratedCondition, CalibratedShare, Outcome};
+use results::{CalibrateResult, CalibratedCondition, CalibratedShare, Outcome, Requests};
 use scenario::{Assignment, Calibrate, Case, Individual, ObservedRow, Scenario, WhenUndefined};
+use std::sync::Arc;
 use weigh::{Features, Weighing, mean, percent, rms};
 
 /// WeighedCandidates of a round, after which they are written into the journal.
@@ -64,14 +68,34 @@ pub fn run_calibrate(
         .map_err(|error| failed(format!("its journal: {error}"), None))?;
     context.tell(record.notice.as_deref());
 
-    let trial = Trial { context, block, conditions: &conditions, candidates: &candidates, seed };
+    let called = format!("candidates of {}", block.name);
+    let mut requests = Requests::default();
+    requests.add(&block.condition.metric);
+    let trial = Trial {
+        context,
+        block,
+        conditions: &conditions,
+        candidates: &candidates,
+        called: &called,
+        runs: block.runs,
+        measured: MeasuredMetrics::new(requests),
+        seed,
+    };
+    let others = ComparedPeople::of(&trial)?;
     let everybody: Vec<usize> = (0..candidates.rows.len()).collect();
     let all = everybody.len();
-    let done = trial.make(&mut record, 0, &everybody, |count| progress.evaluated(count, 2 * all, None))?;
-    let features = Features::new(&done, block.runs);
+    let whole = 2 * all + others.iter().map(ComparedPeople::len).sum::<usize>();
+    let done = trial.make(&mut record, 0, &everybody, |count| progress.evaluated(count, whole, None))?;
+    let features = Features::predicted(&done, block.runs, &candidates);
     let rows: Vec<&ObservedRow> = conditions.iter().map(|one| one.row).collect();
     let observed: Vec<Observed> = rows.iter().map(|row| Observed::of(row)).collect();
-    let weighing = Weighing { features: &features, observed: &observed, rows: &rows, spread: block.spread };
+    let weighing = Weighing {
+        features: &features,
+        observed: &observed,
+        rows: &rows,
+        spread: block.spread,
+        within: block.within,
+    };
     let undefined = trial.undefined(&done)?;
     let missed = weighing.out_of_reach();
     if !missed.is_empty() {
@@ -93,9 +117,11 @@ pub fn run_calibrate(
         asked
     });
     let fresh = trial.make(&mut record, 1, &heaviest, |count| {
-        progress.evaluated(if count == heaviest.len() { 2 * all } else { all + count }, 2 * all, None);
+        progress.evaluated(if count == heaviest.len() { 2 * all } else { all + count }, whole, None);
     })?;
-    let fresh = Features::new(&fresh, block.runs);
+    let compared =
+        compare(&others, &trial, &mut record, |count| progress.evaluated(2 * all + count, whole, None))?;
+    let fresh = Features::counted(&fresh, block.runs);
     let heavy: Vec<f64> = heaviest.iter().map(|one| weights[*one]).collect();
     let heavy_sum: f64 = heavy.iter().sum();
     let heavy: Vec<f64> = heavy.iter().map(|one| one / heavy_sum).collect();
@@ -139,6 +165,7 @@ pub fn run_calibrate(
     let effective = effective_size(&weights);
     let mut result = CalibrateResult {
         name: block.name.clone(),
+        doc: block.doc.clone(),
         matched: block.text.clone(),
         observations: block.observations.file.clone(),
         candidates: candidates.words.clone(),
@@ -155,17 +182,33 @@ pub fn run_calibrate(
         conditions: found,
         runs: block.runs,
         seed: context.suite.seed,
+        vehicle_speeds: vehicle_speeds(&conditions),
+        compared,
         resampled: weighing.resampled(seed).iter().map(|weights| rounded(weights)).collect(),
         warnings: Vec::new(),
         weights,
     };
     result.digest = result.population().digest();
-    result.warnings = warnings(&result, &conditions);
+    result.warnings = warnings(&result);
     record.remove();
     Ok(result)
 }
 
-fn warnings(result: &CalibrateResult, conditions: &[Condition]) -> Vec<String> {
+/// The different speeds (m/s) that vehicles have in the conditions from the start, in rising order.
+fn vehicle_speeds(conditions: &[Condition]) -> Vec<f64> {
+    let cars = conditions.iter().flat_map(|one| &one.scenario.vehicles);
+    let mut speeds: Vec<f64> = cars
+        .filter_map(|car| match &car.speed {
+            scenario::Expression::Constant(scenario::Value::Number(speed)) => Some(*speed),
+            _ => None,
+        })
+        .collect();
+    speeds.sort_by(f64::total_cmp);
+    speeds.dedup();
+    speeds
+}
+
+fn warnings(result: &CalibrateResult) -> Vec<String> {
     let mut warnings = Vec::new();
     if result.effective_size < LEAST_EFFECTIVE {
         warnings.push(format!(
@@ -198,18 +241,9 @@ fn warnings(result: &CalibrateResult, conditions: &[Condition]) -> Vec<String> {
             }
         }
     }
-    let mut speeds: Vec<String> = conditions
-        .iter()
-        .flat_map(|one| &one.scenario.vehicles)
-        .filter_map(|car| match &car.speed {
-            scenario::Expression::Constant(scenario::Value::Number(speed)) => Some(speed * 3.6),
-            _ => None,
-        })
-        .map(|speed| scenario::significant(speed, 3))
-        .collect();
-    speeds.sort();
-    speeds.dedup();
-    if !speeds.is_empty() {
+    if !result.vehicle_speeds.is_empty() {
+        let speeds: Vec<String> =
+            result.vehicle_speeds.iter().map(|speed| scenario::significant(speed * 3.6, 3)).collect();
         warnings.push(format!(
             "people were observed before vehicles at {} km/h: what they do before others is not known",
             speeds.join(" and ")
@@ -257,12 +291,19 @@ fn conditions<'a>(context: &Context, block: &'a Calibrate) -> Result<Vec<Conditi
     Ok(found)
 }
 
-/// WeighedCandidates in conditions.
+/// Candidates in conditions.
+#[derive(Clone)]
 struct Trial<'a> {
     context: &'a Context<'a>,
     block: &'a Calibrate,
     conditions: &'a [Condition<'a>],
     candidates: &'a WeighedCandidates,
+    /// What they are called beside their number.
+    called: &'a str,
+    /// Of each in every condition.
+    runs: u32,
+    /// Only what is matched: nothing else is asked of these runs.
+    measured: Arc<MeasuredMetrics>,
     seed: u64,
 }
 
@@ -288,10 +329,10 @@ impl Trial<'_> {
             }
             // The first run of the block is made twice.
             let number = usize::from(pass > 0 || round > 0 || known > 0);
-            let outcomes = self.context.run_all(number, &cases)?;
-            let of_candidate = self.conditions.len() * self.block.runs as usize;
+            let outcomes = self.context.run_reading(&self.measured, number, &cases)?;
+            let of_candidate = self.conditions.len() * self.runs as usize;
             for (candidate, outcomes) in some.iter().zip(outcomes.chunks(of_candidate)) {
-                let done = outcomes.chunks(self.block.runs as usize).map(|some| self.done(some)).collect();
+                let done = outcomes.chunks(self.runs as usize).map(|some| self.done(some)).collect();
                 let written = record.add(pass, *candidate, done);
                 written.map_err(|error| failed(format!("its journal: {error}"), None))?;
             }
@@ -310,17 +351,18 @@ impl Trial<'_> {
     ) -> Result<Vec<Case>, ExperimentError> {
         let person = Individual {
             pedestrian: condition.who.clone(),
-            population: format!("candidates of {}", self.block.name),
+            population: self.called.to_string(),
             number: candidate as u32 + 1,
             parameters: self.candidates.settings(candidate),
         };
         let (suite, block) = (&self.context.suite.name, &self.block.name);
         let key = format!(
-            "{suite}/calibrate={block}/{}/{}/candidate={}{}",
+            "{suite}/calibrate={block}/{}/{}/{}={}{}",
             condition.scenario.name,
             condition.label(),
+            if pass > 1 { "individual" } else { "candidate" },
             candidate + 1,
-            if pass > 0 { "/fresh" } else { "" }
+            if pass == 1 { "/fresh" } else { "" }
         );
         let first = plan::concrete_case(
             &condition.scenario,
@@ -340,13 +382,13 @@ impl Trial<'_> {
             ),
             ..first.clone()
         };
-        Ok((1..=self.block.runs).map(case).collect())
+        Ok((1..=self.runs).map(case).collect())
     }
 
     fn done(&self, outcomes: &[Outcome]) -> HeldRuns {
         let condition = &self.block.condition;
         let mut done = HeldRuns::default();
-        for seen in self.context.seen(&condition.metric, outcomes) {
+        for seen in outcomes.iter().map(|outcome| Seen::of(outcome, 0)) {
             match seen {
                 Seen::Value(_) => done.held += u32::from(seen.holds(condition, false)),
                 Seen::Undefined | Seen::Open { .. } => {

@@ -1,8 +1,11 @@
 //! From what candidates did to weights: the fit, conditions held back, other persons, and what no mixture reaches.
 
+use super::candidates::WeighedCandidates;
 use super::observed::Observed;
 use super::record::HeldRuns;
-use numbers::inference::{EntropyWeights, WeightTarget, maximum_entropy, nearest_mixture};
+use numbers::inference::{
+    CandidateShares, EntropyWeights, HeldCounts, WeightTarget, maximum_entropy_within, nearest_mixture,
+};
 use numbers::random::{Draws, Stream, derive_seed};
 use scenario::ObservedRow;
 
@@ -19,16 +22,14 @@ pub struct Features {
 }
 
 impl Features {
-    pub fn new(done: &[Vec<HeldRuns>], runs: u32) -> Self {
-        let runs = f64::from(runs);
-        let share = |one: &HeldRuns| f64::from(one.held) / runs;
-        // Without bias, unlike the square of the share.
-        let spread =
-            |one: &HeldRuns| f64::from(one.held) * (f64::from(one.held) - 1.0) / (runs * (runs - 1.0));
-        Self {
-            shares: done.iter().map(|row| row.iter().map(share).collect()).collect(),
-            spreads: done.iter().map(|row| row.iter().map(spread).collect()).collect(),
-        }
+    /// As counted in the runs.
+    pub fn counted(done: &[Vec<HeldRuns>], runs: u32) -> Self {
+        HeldCounts { held: &held(done), runs }.shares().into()
+    }
+
+    /// As predicted from the runs of each and of others with parameters like theirs, so that weights do not lean towards who was lucky.
+    pub fn predicted(done: &[Vec<HeldRuns>], runs: u32, candidates: &WeighedCandidates) -> Self {
+        HeldCounts { held: &held(done), runs }.smoothed(&candidates.coordinates()).into()
     }
 
     /// One for each target: the shares of those conditions, and their spreads if those are matched.
@@ -40,6 +41,16 @@ impl Features {
         };
         self.shares.iter().zip(&self.spreads).map(row).collect()
     }
+}
+
+impl From<CandidateShares> for Features {
+    fn from(CandidateShares { shares, pairs }: CandidateShares) -> Self {
+        Self { shares, spreads: pairs }
+    }
+}
+
+fn held(done: &[Vec<HeldRuns>]) -> Vec<Vec<u32>> {
+    done.iter().map(|row| row.iter().map(|one| one.held).collect()).collect()
 }
 
 /// The weighted mean of a column.
@@ -59,6 +70,8 @@ pub struct Weighing<'a> {
     pub observed: &'a [Observed],
     pub rows: &'a [&'a ObservedRow],
     pub spread: bool,
+    /// How many errors of targets are their tolerance.
+    pub within: f64,
 }
 
 impl Weighing<'_> {
@@ -69,7 +82,8 @@ impl Weighing<'_> {
     /// The weights, of which the targets of these conditions know nothing.
     fn without(&self, left_out: &[usize]) -> EntropyWeights {
         let kept: Vec<usize> = self.all().into_iter().filter(|one| !left_out.contains(one)).collect();
-        maximum_entropy(&self.features.of(&kept, self.spread), &targets(self.observed, &kept, self.spread))
+        let targets = targets(self.observed, &kept, self.spread);
+        maximum_entropy_within(self.within, &self.features.of(&kept, self.spread), &targets)
     }
 
     pub fn weights(&self) -> EntropyWeights {
@@ -141,7 +155,7 @@ impl Weighing<'_> {
             let mut stream = Stream::seeded(derive_seed(seed, &format!("persons/{number}")));
             let observed: Vec<Observed> =
                 self.rows.iter().map(|row| Observed::resampled(row, &mut stream)).collect();
-            maximum_entropy(&features, &targets(&observed, &all, self.spread)).weights
+            maximum_entropy_within(self.within, &features, &targets(&observed, &all, self.spread)).weights
         };
         (0..RESAMPLED).map(again).collect()
     }

@@ -1,0 +1,84 @@
+//! Populations that are put into the conditions of a calibration, to be shown beside people and candidates.
+
+use super::super::error::ExperimentError;
+use super::Trial;
+use super::candidates::WeighedCandidates;
+use super::record::HeldRecord;
+use super::weigh::{Features, mean};
+use numbers::inference::effective_size;
+use results::ComparedPopulation;
+
+/// Runs of all individuals of equal weight together, in a condition: a share is known to about a point.
+const RUNS_OF_ALL: f64 = 4000.0;
+/// The passes before are those of the candidates.
+const FIRST_PASS: u32 = 2;
+
+/// A population to be compared with.
+pub struct ComparedPeople {
+    name: String,
+    digest: String,
+    people: WeighedCandidates,
+    /// One per individual, of sum 1.
+    weights: Vec<f64>,
+    runs: u32,
+}
+
+impl ComparedPeople {
+    /// Those of the block of a trial; whoever has no weight is left out.
+    pub fn of(trial: &Trial) -> Result<Vec<Self>, ExperimentError> {
+        let scenario = &trial.conditions[0].scenario;
+        trial.block.compared.iter().map(|people| Self::read(people, scenario)).collect()
+    }
+
+    fn read(people: &scenario::Individuals, scenario: &scenario::Scenario) -> Result<Self, ExperimentError> {
+        let (read, variant) = WeighedCandidates::population(people, scenario)?;
+        let digest = read.digest();
+        let equal = vec![1.0 / read.individuals.len() as f64; read.individuals.len()];
+        let weights = if read.weights.is_empty() { equal } else { read.weights };
+        let (rows, weights): (Vec<_>, Vec<_>) =
+            read.individuals.into_iter().zip(weights).filter(|(_, weight)| *weight > 0.0).unzip();
+        let runs = (RUNS_OF_ALL / effective_size(&weights)).ceil().clamp(2.0, 100.0) as u32;
+        let name = super::candidates::file_name(&people.population);
+        let people = WeighedCandidates {
+            model: read.model,
+            variant,
+            names: read.parameters,
+            rows,
+            words: String::new(),
+        };
+        Ok(Self { name, digest, people, weights, runs })
+    }
+
+    pub fn len(&self) -> usize {
+        self.weights.len()
+    }
+}
+
+/// What each does in the conditions of the trial; `progress` is told how many of all are done.
+pub fn compare(
+    others: &[ComparedPeople],
+    trial: &Trial,
+    record: &mut HeldRecord,
+    progress: impl Fn(usize),
+) -> Result<Vec<ComparedPopulation>, ExperimentError> {
+    let mut before = 0;
+    let mut found = Vec::new();
+    for (other, pass) in others.iter().zip(FIRST_PASS..) {
+        let everybody: Vec<usize> = (0..other.len()).collect();
+        let own = Trial { candidates: &other.people, called: &other.name, runs: other.runs, ..trial.clone() };
+        let done = own.make(record, pass, &everybody, |count| progress(before + count))?;
+        let features = Features::counted(&done, other.runs);
+        before += other.len();
+        let of = |rows: &[Vec<f64>], condition: usize| mean(rows, &other.weights, condition);
+        found.push(ComparedPopulation {
+            name: other.name.clone(),
+            digest: other.digest.clone(),
+            individuals: other.len(),
+            runs: other.runs,
+            shares: (0..trial.conditions.len())
+                .map(|condition| (of(&features.shares, condition), of(&features.spreads, condition)))
+                .collect(),
+        });
+    }
+    Ok(found)
+}
