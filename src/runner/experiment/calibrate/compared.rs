@@ -1,9 +1,9 @@
 //! Populations that are put into the conditions of a calibration, to be shown beside people and candidates.
 
 use super::super::error::ExperimentError;
-use super::Trial;
 use super::candidates::WeighedCandidates;
 use super::record::HeldRecord;
+use super::trial::Trial;
 use super::weigh::{Features, mean};
 use numbers::inference::effective_size;
 use results::ComparedPopulation;

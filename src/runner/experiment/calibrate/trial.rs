@@ -1,0 +1,205 @@
+//! Candidates in the conditions in which people were observed, run by run.
+
+use std::sync::Arc;
+
+use super::super::context::Context;
+use super::super::error::ExperimentError;
+use super::candidates::{WeighedCandidates, weighed};
+use super::record::{HeldRecord, HeldRuns};
+use crate::plan;
+use crate::run::MeasuredMetrics;
+use numbers::random::derive_seed;
+use results::Outcome;
+use results::judge::Seen;
+use scenario::{Assignment, Calibrate, Case, Individual, ObservedRow, Scenario, WhenUndefined};
+
+/// Candidates of a round, after which they are written into the journal.
+const AT_ONCE: usize = 20;
+
+/// A condition that people were observed in.
+pub struct Condition<'a> {
+    pub scenario: Scenario,
+    /// The pedestrian that the candidates are.
+    who: String,
+    variation: Vec<Assignment>,
+    pub row: &'a ObservedRow,
+}
+
+impl Condition<'_> {
+    pub fn label(&self) -> String {
+        let values = self.variation.iter().map(|one| format!("{}={}", one.name, one.label));
+        values.collect::<Vec<_>>().join("/")
+    }
+}
+
+/// Why nothing was calibrated.
+pub fn failed(reason: String, hint: Option<&str>) -> ExperimentError {
+    ExperimentError::Calibration { reason, hint: hint.map(str::to_string) }
+}
+
+/// The conditions that people were observed in, in the order of the scenarios and of what they vary.
+pub fn conditions<'a>(
+    context: &Context,
+    block: &'a Calibrate,
+) -> Result<Vec<Condition<'a>>, ExperimentError> {
+    let mut found = Vec::new();
+    for name in &block.scenarios {
+        let mut scenario = context.scenario(name)?.clone();
+        let nobody = || failed(format!("nobody of `{name}` takes individuals"), None);
+        let who = weighed(&scenario).ok_or_else(nobody)?.name.clone();
+        for person in &mut scenario.pedestrians {
+            if person.name == who {
+                person.individuals = None;
+            }
+        }
+        for variation in plan::combinations(context.suite.seed, &scenario, plan::Variables::new())? {
+            let of = |row: &&ObservedRow| {
+                row.scenario == *name && variation.iter().all(|one| row.is_at(&one.name, &one.label))
+            };
+            if let Some(row) = block.observations.rows.iter().find(of) {
+                found.push(Condition { scenario: scenario.clone(), who: who.clone(), variation, row });
+            }
+        }
+    }
+    if found.len() != block.observations.rows.len() {
+        let reason =
+            format!("{} of {} rows are about a condition", found.len(), block.observations.rows.len());
+        return Err(failed(reason, Some("every row names a scenario and values of what it varies")));
+    }
+    Ok(found)
+}
+
+/// Candidates in conditions.
+#[derive(Clone)]
+pub struct Trial<'a> {
+    pub context: &'a Context<'a>,
+    pub block: &'a Calibrate,
+    pub conditions: &'a [Condition<'a>],
+    pub candidates: &'a WeighedCandidates,
+    /// What they are called beside their number.
+    pub called: &'a str,
+    /// Of each in every condition.
+    pub runs: u32,
+    /// Only what is matched: nothing else is asked of these runs.
+    pub measured: Arc<MeasuredMetrics>,
+    pub seed: u64,
+}
+
+impl Trial<'_> {
+    /// What these candidates do in every condition, in their order; `progress` is told how many are done.
+    pub fn make(
+        &self,
+        record: &mut HeldRecord,
+        pass: u32,
+        who: &[usize],
+        progress: impl Fn(usize),
+    ) -> Result<Vec<Vec<HeldRuns>>, ExperimentError> {
+        let unknown: Vec<usize> =
+            who.iter().copied().filter(|one| record.known(pass, *one).is_none()).collect();
+        let known = who.len() - unknown.len();
+        for (round, some) in unknown.chunks(AT_ONCE).enumerate() {
+            progress(known + round * AT_ONCE);
+            let mut cases = Vec::new();
+            for candidate in some {
+                for condition in self.conditions {
+                    cases.extend(self.cases(pass, *candidate, condition)?);
+                }
+            }
+            // The first run of the block is made twice.
+            let number = usize::from(pass > 0 || round > 0 || known > 0);
+            let outcomes = self.context.run_reading(&self.measured, number, &cases)?;
+            let of_candidate = self.conditions.len() * self.runs as usize;
+            for (candidate, outcomes) in some.iter().zip(outcomes.chunks(of_candidate)) {
+                let done = outcomes.chunks(self.runs as usize).map(|some| self.done(some)).collect();
+                let written = record.add(pass, *candidate, done);
+                written.map_err(|error| failed(format!("its journal: {error}"), None))?;
+            }
+        }
+        progress(who.len());
+        let known = |one: &usize| record.known(pass, *one).cloned().unwrap_or_default();
+        Ok(who.iter().map(known).collect())
+    }
+
+    /// The runs of a candidate in a condition.
+    fn cases(
+        &self,
+        pass: u32,
+        candidate: usize,
+        condition: &Condition,
+    ) -> Result<Vec<Case>, ExperimentError> {
+        let person = Individual {
+            pedestrian: condition.who.clone(),
+            population: self.called.to_string(),
+            number: candidate as u32 + 1,
+            parameters: self.candidates.settings(candidate),
+        };
+        let (suite, block) = (&self.context.suite.name, &self.block.name);
+        let key = format!(
+            "{suite}/calibrate={block}/{}/{}/{}={}{}",
+            condition.scenario.name,
+            condition.label(),
+            if pass > 1 { "individual" } else { "candidate" },
+            candidate + 1,
+            if pass == 1 { "/fresh" } else { "" }
+        );
+        let first = plan::concrete_case(
+            &condition.scenario,
+            key.clone(),
+            condition.variation.clone(),
+            vec![person],
+            1,
+            0,
+        )?;
+        let noise = self.candidates.noise(candidate);
+        let case = |run: u32| Case {
+            key: format!("{key}/rep={run}"),
+            repetition: run,
+            seed: derive_seed(
+                self.seed,
+                &format!("{}/{}/{noise}/{pass}/{run}", condition.scenario.name, condition.label()),
+            ),
+            ..first.clone()
+        };
+        Ok((1..=self.runs).map(case).collect())
+    }
+
+    fn done(&self, outcomes: &[Outcome]) -> HeldRuns {
+        let condition = &self.block.condition;
+        let mut done = HeldRuns::default();
+        for seen in outcomes.iter().map(|outcome| Seen::of(outcome, 0)) {
+            match seen {
+                Seen::Value(_) => done.held += u32::from(seen.holds(condition, false)),
+                Seen::Undefined | Seen::Open { .. } => {
+                    done.undefined += 1;
+                    done.held += u32::from(condition.when_undefined == WhenUndefined::Passes);
+                }
+            }
+        }
+        done
+    }
+
+    /// The share of runs of each candidate in each condition that say nothing; an error where the block does not say what they are.
+    pub fn undefined(&self, done: &[Vec<HeldRuns>]) -> Result<Vec<Vec<f64>>, ExperimentError> {
+        let runs = f64::from(self.block.runs);
+        if self.block.condition.when_undefined == WhenUndefined::AsDeclared {
+            for (index, condition) in self.conditions.iter().enumerate() {
+                let count: u64 = done.iter().map(|row| u64::from(row[index].undefined)).sum();
+                if count > 0 {
+                    let all = done.len() as u64 * u64::from(self.block.runs);
+                    let reason = format!(
+                        "in {count} of {all} runs of {} `{}` is undefined or was cut off, and nothing says what that is",
+                        condition.row.in_words(),
+                        self.block.text
+                    );
+                    return Err(failed(
+                        reason,
+                        Some(
+                            "say `undefined fails` behind the file, or give the scenario a longer `horizon`",
+                        ),
+                    ));
+                }
+            }
+        }
+        Ok(done.iter().map(|row| row.iter().map(|one| f64::from(one.undefined) / runs).collect()).collect())
+    }
+}
