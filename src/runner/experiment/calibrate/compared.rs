@@ -3,7 +3,7 @@
 use super::super::error::ExperimentError;
 use super::candidates::WeighedCandidates;
 use super::record::HeldRecord;
-use super::trial::Trial;
+use super::trial::CandidateTrial;
 use super::weigh::{Features, mean};
 use numbers::inference::effective_size;
 use results::ComparedPopulation;
@@ -25,7 +25,7 @@ pub struct ComparedPeople {
 
 impl ComparedPeople {
     /// Those of the block of a trial; whoever has no weight is left out.
-    pub fn of(trial: &Trial) -> Result<Vec<Self>, ExperimentError> {
+    pub fn of(trial: &CandidateTrial) -> Result<Vec<Self>, ExperimentError> {
         let scenario = &trial.conditions[0].scenario;
         trial.block.compared.iter().map(|people| Self::read(people, scenario)).collect()
     }
@@ -57,7 +57,7 @@ impl ComparedPeople {
 /// What each does in the conditions of the trial; `progress` is told how many of all are done.
 pub fn compare(
     others: &[ComparedPeople],
-    trial: &Trial,
+    trial: &CandidateTrial,
     record: &mut HeldRecord,
     progress: impl Fn(usize),
 ) -> Result<Vec<ComparedPopulation>, ExperimentError> {
@@ -65,7 +65,12 @@ pub fn compare(
     let mut found = Vec::new();
     for (other, pass) in others.iter().zip(FIRST_PASS..) {
         let everybody: Vec<usize> = (0..other.len()).collect();
-        let own = Trial { candidates: &other.people, called: &other.name, runs: other.runs, ..trial.clone() };
+        let own = CandidateTrial {
+            candidates: &other.people,
+            called: &other.name,
+            runs: other.runs,
+            ..trial.clone()
+        };
         let done = own.make(record, pass, &everybody, |count| progress(before + count))?;
         let features = Features::counted(&done, other.runs);
         before += other.len();

@@ -20,7 +20,7 @@ use observed::Observed;
 use record::HeldRecord;
 use results::{CalibrateResult, CalibratedCondition, CalibratedShare, Requests};
 use scenario::{Calibrate, ObservedRow, Scenario};
-use trial::{Condition, Trial, conditions, failed};
+use trial::{CandidateTrial, ObservedCondition, conditions, failed};
 use weigh::{Features, Weighing, mean, percent, rms};
 
 /// Fresh noise is for candidates of as much weight together; the others change nothing that could be seen.
@@ -52,7 +52,7 @@ pub fn run_calibrate(
     let called = format!("candidates of {}", block.name);
     let mut requests = Requests::default();
     requests.add(&block.condition.metric);
-    let trial = Trial {
+    let trial = CandidateTrial {
         context,
         block,
         conditions: &conditions,
@@ -176,7 +176,7 @@ pub fn run_calibrate(
 }
 
 /// The different speeds (m/s) that vehicles have in the conditions from the start, in rising order.
-fn vehicle_speeds(conditions: &[Condition]) -> Vec<f64> {
+fn vehicle_speeds(conditions: &[ObservedCondition]) -> Vec<f64> {
     let cars = conditions.iter().flat_map(|one| &one.scenario.vehicles);
     let mut speeds: Vec<f64> = cars
         .filter_map(|car| match &car.speed {

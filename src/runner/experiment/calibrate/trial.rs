@@ -17,7 +17,7 @@ use scenario::{Assignment, Calibrate, Case, Individual, ObservedRow, Scenario, W
 const AT_ONCE: usize = 20;
 
 /// A condition that people were observed in.
-pub struct Condition<'a> {
+pub struct ObservedCondition<'a> {
     pub scenario: Scenario,
     /// The pedestrian that the candidates are.
     who: String,
@@ -25,7 +25,7 @@ pub struct Condition<'a> {
     pub row: &'a ObservedRow,
 }
 
-impl Condition<'_> {
+impl ObservedCondition<'_> {
     pub fn label(&self) -> String {
         let values = self.variation.iter().map(|one| format!("{}={}", one.name, one.label));
         values.collect::<Vec<_>>().join("/")
@@ -41,7 +41,7 @@ pub fn failed(reason: String, hint: Option<&str>) -> ExperimentError {
 pub fn conditions<'a>(
     context: &Context,
     block: &'a Calibrate,
-) -> Result<Vec<Condition<'a>>, ExperimentError> {
+) -> Result<Vec<ObservedCondition<'a>>, ExperimentError> {
     let mut found = Vec::new();
     for name in &block.scenarios {
         let mut scenario = context.scenario(name)?.clone();
@@ -57,7 +57,12 @@ pub fn conditions<'a>(
                 row.scenario == *name && variation.iter().all(|one| row.is_at(&one.name, &one.label))
             };
             if let Some(row) = block.observations.rows.iter().find(of) {
-                found.push(Condition { scenario: scenario.clone(), who: who.clone(), variation, row });
+                found.push(ObservedCondition {
+                    scenario: scenario.clone(),
+                    who: who.clone(),
+                    variation,
+                    row,
+                });
             }
         }
     }
@@ -71,10 +76,10 @@ pub fn conditions<'a>(
 
 /// Candidates in conditions.
 #[derive(Clone)]
-pub struct Trial<'a> {
+pub struct CandidateTrial<'a> {
     pub context: &'a Context<'a>,
     pub block: &'a Calibrate,
-    pub conditions: &'a [Condition<'a>],
+    pub conditions: &'a [ObservedCondition<'a>],
     pub candidates: &'a WeighedCandidates,
     /// What they are called beside their number.
     pub called: &'a str,
@@ -85,7 +90,7 @@ pub struct Trial<'a> {
     pub seed: u64,
 }
 
-impl Trial<'_> {
+impl CandidateTrial<'_> {
     /// What these candidates do in every condition, in their order; `progress` is told how many are done.
     pub fn make(
         &self,
@@ -125,7 +130,7 @@ impl Trial<'_> {
         &self,
         pass: u32,
         candidate: usize,
-        condition: &Condition,
+        condition: &ObservedCondition,
     ) -> Result<Vec<Case>, ExperimentError> {
         let person = Individual {
             pedestrian: condition.who.clone(),
