@@ -195,7 +195,8 @@ fn a_calibrated_population_is_walked_with() {
 #[test]
 fn closer_is_closer_and_what_is_compared_changes_no_weight() {
     let usual = calibrated(MATCHED, &ROWS.concat(), &Threads::new(2)).unwrap();
-    let block = format!("{MATCHED}\n  method maximum_entropy within 0.3 errors\n  compare with \"them.csv\"");
+    let block =
+        format!("{MATCHED}\n  method maximum_entropy within 30 % of error\n  compare with \"them.csv\"");
     let closer = calibrated(&block, &ROWS.concat(), &Threads::new(2)).unwrap();
     let missed = |result: &CalibrateResult| {
         let apart = |one: &results::CalibratedCondition| (one.share.fitted - one.share.observed).abs();
@@ -209,7 +210,7 @@ fn closer_is_closer_and_what_is_compared_changes_no_weight() {
     assert!(compared.shares[0].0 < compared.shares[1].0, "{compared:?}");
     assert!(compared.shares.iter().all(|(share, spread)| (0.0..=*share).contains(spread)));
     let same = calibrated(
-        &format!("{MATCHED}\n  method maximum_entropy within 1 errors\n  compare with standard"),
+        &format!("{MATCHED}\n  method maximum_entropy within 100 % of error\n  compare with standard"),
         &ROWS.concat(),
         &Threads::new(2),
     )

@@ -240,7 +240,7 @@ const TOLERANCES: (f64, f64) = (0.01, 10.0);
 
 /// How many errors of targets are their tolerance.
 fn tolerance(node: ast::Expression, scope: &NameScope, report: &mut Vec<Diagnostic>) -> Option<f64> {
-    let what = "the number of errors";
+    let what = "the part of the error";
     let value = value::quantity_of(node, Dimension::NUMBER, what, scope, report)?;
     let number = value
         .as_constant_number()
@@ -253,10 +253,10 @@ fn tolerance(node: ast::Expression, scope: &NameScope, report: &mut Vec<Diagnost
         Diagnostic::new(
             Code::OutOfRange,
             node.span(),
-            format!("{what} is {number}, but must be between {low} and {high}"),
+            format!("{what} is {} %, but must be between {} % and {} %", 100.0 * number, 100.0 * low, 100.0 * high),
         )
         .label("out of range")
-        .hint("1 is as well as the targets are known; 0.5 matches twice as well, by weights that are less equal"),
+        .hint("100 % is as well as the targets are known; 50 % matches twice as well, by weights that are less equal"),
     );
     None
 }

@@ -142,7 +142,7 @@ views! {
     Matched = matched { rate: Rate, path: Text, undefined: (Undefined) }
     /// `match spread between individuals of rate(gap_accepted)`
     MatchedSpread = matched_spread { rate: Rate }
-    /// `method maximum_entropy within 0.5 errors`
+    /// `method maximum_entropy within 50 % of error`
     CalibrateMethod = calibrate_method { within: (Expression) }
     /// `folds 5`
     Folds = folds { count: Integer }
@@ -407,7 +407,7 @@ pub static CALIBRATE_BLOCK: BlockEntry = BlockEntry {
         statement(
             "method",
             Rule::calibrate_method,
-            "method maximum_entropy`, `method maximum_entropy within 0.5 errors",
+            "method maximum_entropy`, `method maximum_entropy within 50 % of error",
             "The smallest change from equal weights that matches within error, or within a part of it.",
         )
         .key("method", YamlShape::Words),
