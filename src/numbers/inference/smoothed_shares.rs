@@ -182,9 +182,11 @@ mod tests {
     use crate::inference::{WeightTarget, maximum_entropy};
     use crate::random::Stream;
 
+    type Rows<T> = Vec<Vec<T>>;
+
     /// Candidates of two coordinates, what they truly do in three conditions, and in how many of `runs` runs they did it. Half of what they
     /// are is not in their coordinates.
-    fn candidates(seed: u64, number: usize, runs: u32) -> (Vec<Vec<f64>>, Vec<Vec<f64>>, Vec<Vec<u32>>) {
+    fn candidates(seed: u64, number: usize, runs: u32) -> (Rows<f64>, Rows<f64>, Rows<u32>) {
         let mut stream = Stream::seeded(seed);
         let mut all = (Vec::new(), Vec::new(), Vec::new());
         for _ in 0..number {
