@@ -37,7 +37,7 @@ pub fn lines<'a>(
 ) -> Result<String, String> {
     let mut text = String::new();
     // What somebody else's criteria ask for besides is no concern of this suite.
-    let own = registry.metrics().iter().count();
+    let own = Requests::defaults(registry).iter().count();
     let mut metrics: Vec<_> =
         requests.iter().take(own).map(|request| (request.label(), Sha256::new())).collect();
     for report in reports {

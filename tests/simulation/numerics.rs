@@ -265,7 +265,7 @@ fn half_the_step_changes_no_metric_by_more_than_a_step_can() {
                         edges += 1;
                         continue;
                     }
-                    for (index, metric) in registry.metrics().iter().enumerate() {
+                    for (index, metric) in requests.iter().filter_map(|one| one.known()).enumerate() {
                         let metric_name = &*metric.declaration.name;
                         let (one, other) = (coarse.metrics[index], fine.metrics[index]);
                         let within = match metric.kind {

@@ -92,6 +92,7 @@ impl<'c> Limits<'c> {
         let of_one = matches!(metric.scope, Scope::Vehicle | Scope::Contact);
         let is_word = matches!(metric.kind, MetricKind::Category(_));
         let unit = match &metric.kind {
+            MetricKind::Quantity(scenario::Dimension::NUMBER) => String::new(),
             MetricKind::Quantity(dimension) => format!(" {}", dimension.si_unit()),
             MetricKind::Flag | MetricKind::Category(_) => String::new(),
         };
@@ -392,8 +393,9 @@ mod tests {
             let name = &*metric.declaration.name;
             match &metric.kind {
                 MetricKind::Quantity(_) => {
+                    let ordinary = if metric.range == MetricRange::Share { 0.5 } else { 1.5 };
                     for relation in [Less, LessOrEqual, Greater, GreaterOrEqual] {
-                        assert_eq!(runs(name, relation, 1.5), Possible::Both, "{name} {relation:?}");
+                        assert_eq!(runs(name, relation, ordinary), Possible::Both, "{name} {relation:?}");
                     }
                 }
                 MetricKind::Flag => {
