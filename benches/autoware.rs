@@ -38,6 +38,7 @@ fn controller() -> Box<dyn Controller> {
             .unwrap(),
         length: 4.89,
         width: 1.896,
+        road: 0,
         lane: 0,
         speed: CRUISE,
         start: VehicleStart::Distance(60.0),
@@ -47,6 +48,7 @@ fn controller() -> Box<dyn Controller> {
     };
     let world = World {
         road: Road::zebra(&[Direction::Forward], CRUISE),
+        other_roads: Vec::new(),
         vehicles: vec![setup],
         pedestrians: Vec::new(),
         step: 0.025,

@@ -93,12 +93,14 @@ fn world() -> World {
     }
     World {
         road: Road::zebra(&[Direction::Forward], 10.0),
+        other_roads: Vec::new(),
         vehicles: vec![VehicleSetup {
             name: "av".into(),
             controller: nobody(),
             dynamics: nobody(),
             length: 4.5,
             width: 2.0,
+            road: 0,
             lane: 0,
             speed: 10.0,
             start: VehicleStart::Distance(80.0),

@@ -131,7 +131,7 @@ pub mod project {
         Sources, Span, Style,
     };
     pub use runner::plan::{
-        Cases, Plan, PlanError, PlannedTrial, ScenarioPlan, plan, plan_scenario, standalone,
+        Cases, DrawAxis, Plan, PlanError, PlannedTrial, ScenarioPlan, plan, plan_scenario, standalone,
     };
     pub use runner::project::{
         Notice, NoticeLevel, PlannedSuite, Problems, examine, examine_edited, plan_notices,
@@ -194,8 +194,8 @@ pub mod shrink {
 /// to the protocol.
 pub mod programs {
     pub use under_test::{
-        Allowed, AllowedError, Conformance, Conversation, Hello, KnowsMore, Parent, Permission, ProcessPool,
-        StartError, StartProblem, TriedTimes, WireRecord, WireRecordError, again, conformance,
+        Allowed, AllowedError, Conformance, Conversation, Hello, KnowsMore, MoreTables, Parent, Permission,
+        ProcessPool, StartError, StartProblem, TriedTimes, WireRecord, WireRecordError, again, conformance,
         read_conversations,
     };
 }

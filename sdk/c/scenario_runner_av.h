@@ -15,24 +15,35 @@
 #include <string.h>
 #include <unistd.h>
 
+/* What somebody is. Who rides is among the pedestrians. */
+#define SR_PEDESTRIAN 1.0
+#define SR_CYCLIST 2.0
+#define SR_ESCOOTER 3.0
+#define SR_VEHICLE 4.0
+
 /* Pedestrians, and vehicles (without accelerations). */
-typedef struct { double id, x, y, vx, vy, ax, ay, length, width; } sr_other;
+typedef struct { double id, x, y, vx, vy, ax, ay, length, width, kind; } sr_other;
 
 /* How far ahead the curvature of the lane changes (m), and what it is there (1/m, to the left). */
 typedef struct { double distance, curvature; } sr_change;
+
+/* How far ahead the middle of a crossing is (m; negative behind), how wide, whether people have priority, and y of where they may wait. */
+typedef struct { double distance, width, pedestrian_priority, right_edge, left_edge; } sr_crossing;
 
 /* The scene of one decision; `time` in s, negative before the run begins; `signal` is 1 where vehicles have green, `amber` where they
  * have amber, and `stop_line` how far before the edge of the crossing they stop, all NAN without a signal. `travelled` is along
  * the lane from the middle of the crossing, `gradient` NAN on a road that says none; `lateral_offset` and `heading_error` (rad) are to
  * the left of the lane, 0 where nobody has steered. From `curvature` on the lane bends evenly from each
- * `change` to the next, and not at all behind the last, for 150 m; two at one distance are a jump. */
+ * `change` to the next, and not at all behind the last, for 150 m; two at one distance are a jump. Every `crossing` is there, in the
+ * order in which the vehicle comes to them (none from a runner older than that); what is said without a name is of the first ahead. */
 typedef struct {
     double time, is_new, cruise_speed, distance_to_crossing, speed, acceleration, length, width, lane_width, speed_limit,
         crossing_width, pedestrian_priority, signal, right_kerb, left_kerb, travelled, curvature, gradient, amber, stop_line,
         lateral_offset, heading_error;
-    int pedestrians, vehicles, changes;
+    int pedestrians, vehicles, changes, crossings;
     const sr_other *pedestrian, *vehicle;
     const sr_change *change;
+    const sr_crossing *crossing;
 } sr_seen;
 
 /* A run that begins. `parameters` and `road` are JSON, to be read by sr_number, sr_flag, sr_text and sr_get. */
@@ -180,8 +191,8 @@ static inline void sr_open(const sr_controller *own, const char *open, sr_buffer
 /* Speaks with the runner until it says goodbye; the exit code of the program. `--runs-at-once=1` on the command line takes fewer. */
 static inline int sr_serve(const sr_controller *own, int argc, char **argv) {
     FILE *in = fdopen(dup(0), "rb"), *out = fdopen(dup(1), "wb");
-    sr_buffer request = {0, 0, 0}, answer = {0, 0, 0}, others = {0, 0, 0}, bends = {0, 0, 0}, errors = {0, 0, 0};
-    int places[43], widths[4], at_once = own->runs_at_once;
+    sr_buffer request = {0, 0, 0}, answer = {0, 0, 0}, others = {0, 0, 0}, bends = {0, 0, 0}, zebras = {0, 0, 0}, errors = {0, 0, 0};
+    int places[50], widths[5], at_once = own->runs_at_once;
     uint32_t width = !strcmp(own->gives, "pedals") ? 2 : !strcmp(own->gives, "speed_plan") ? 32 : 1;
     if (!in || !out || !freopen("/dev/null", "r", stdin) || dup2(2, 1) < 0) return 1;
     for (int index = 1; index < argc; index++)
@@ -202,9 +213,13 @@ static inline int sr_serve(const sr_controller *own, int argc, char **argv) {
     for (int index = 16; index < 23; index++) if (places[index] >= 0) places[index] += widths[0];
     widths[0] += lanes;
     widths[1] = sr_columns(sr_get(request.bytes, "hello"), "pedestrians", "id x y vx vy ax ay length width", places + 23);
-    widths[2] = sr_columns(sr_get(request.bytes, "hello"), "vehicles", "id x y vx vy ax ay length width", places + 32);
-    widths[3] = sr_columns(sr_get(request.bytes, "hello"), "curvature_ahead", "distance curvature", places + 41);
-    fprintf(out, "{\"hello\":{\"protocol\":1,\"name\":\"%s\",\"version\":\"%s\",\"encoding\":\"f64\",\"tables\":[\"lanes\"],\"runs_at_once\":%d,\"gives\":[\"%s\"],"
+    int kinds = sr_columns(sr_get(request.bytes, "hello"), "kinds", "kind", places + 32);
+    if (places[32] >= 0) places[32] += widths[1];
+    widths[1] += kinds;
+    widths[2] = sr_columns(sr_get(request.bytes, "hello"), "vehicles", "id x y vx vy ax ay length width kind", places + 33);
+    widths[3] = sr_columns(sr_get(request.bytes, "hello"), "curvature_ahead", "distance curvature", places + 43);
+    widths[4] = sr_columns(sr_get(request.bytes, "hello"), "crossings", "distance width pedestrian_priority right_edge left_edge", places + 45);
+    fprintf(out, "{\"hello\":{\"protocol\":1,\"name\":\"%s\",\"version\":\"%s\",\"encoding\":\"f64\",\"tables\":[\"lanes\",\"kinds\",\"crossings\"],\"runs_at_once\":%d,\"gives\":[\"%s\"],"
             "\"modes\":[%s],\"parameters\":[%s]}}\n", own->name, own->version, at_once, own->gives,
             own->modes ? own->modes : "", own->parameters ? own->parameters : "");
     fflush(out);
@@ -234,17 +249,23 @@ static inline int sr_serve(const sr_controller *own, int argc, char **argv) {
         double *of = (double *)malloc((head[3] + head[4] + 1) * sizeof(double));
         if (!of) return 1;
         for (uint32_t index = 0, one = 0; index < head[3] + head[4]; index++) {
-            int is_vehicle = index >= head[3], place = is_vehicle ? 32 : 23;
+            int is_vehicle = index >= head[3], place = is_vehicle ? 33 : 23;
             of[one] = rows[0]; /* `row` is the first column. */
-            sr_pick(rows, places + place, 9, (double *)&other[one++]);
+            sr_pick(rows, places + place, 10, (double *)&other[one]);
+            if (isnan(other[one].kind)) other[one].kind = is_vehicle ? SR_VEHICLE : SR_PEDESTRIAN;
+            one++;
             rows += widths[1 + is_vehicle];
         }
         bends.used = 0;
         sr_change *change = (sr_change *)sr_make_room(&bends, head[5] * sizeof(sr_change) + 1);
         const double *bend = rows;
-        for (uint32_t index = 0; index < head[5]; index++) sr_pick(bend + index * (uint32_t)widths[3], places + 41, 2, (double *)&change[index]);
+        for (uint32_t index = 0; index < head[5]; index++) sr_pick(bend + index * (uint32_t)widths[3], places + 43, 2, (double *)&change[index]);
+        zebras.used = 0;
+        sr_crossing *crossing = (sr_crossing *)sr_make_room(&zebras, head[6] * sizeof(sr_crossing) + 1);
+        const double *zebra = bend + head[5] * (uint32_t)widths[3];
+        for (uint32_t index = 0; index < head[6]; index++) sr_pick(zebra + index * (uint32_t)widths[4], places + 45, 5, (double *)&crossing[index]);
         answer.used = 0, errors.used = 0;
-        uint32_t after[4] = {0, 2, head[2], columns}, people = 0, cars = head[3], told = 0;
+        uint32_t after[4] = {0, 2, head[2], columns}, people = 0, cars = head[3], told = 0, crossed = 0;
         memcpy(sr_make_room(&answer, 16), after, 16);
         for (uint32_t run = 0; run < head[2]; run++, row += widths[0]) {
             double values[24], *given = (double *)sr_make_room(&answer, 8 * columns);
@@ -257,6 +278,8 @@ static inline int sr_serve(const sr_controller *own, int argc, char **argv) {
             for (seen.vehicles = 0; cars < head[3] + head[4] && of[cars] == run; cars++) seen.vehicles++;
             seen.change = change + told;
             for (seen.changes = 0; told < head[5] && bend[told * (uint32_t)widths[3]] == run; told++) seen.changes++;
+            seen.crossing = crossing + crossed;
+            for (seen.crossings = 0; crossed < head[6] && zebra[crossed * (uint32_t)widths[4]] == run; crossed++) seen.crossings++;
             if (decided[slot] != seen.time) {
                 double *keep = kept + 34 * slot;
                 for (uint32_t index = 0; index < width; index++) keep[index] = NAN;
@@ -275,7 +298,7 @@ static inline int sr_serve(const sr_controller *own, int argc, char **argv) {
         }
         sr_send(&answer, out);
     }
-    free(request.bytes), free(answer.bytes), free(others.bytes), free(bends.bytes), free(errors.bytes), free(decided), free(kept);
+    free(request.bytes), free(answer.bytes), free(others.bytes), free(bends.bytes), free(zebras.bytes), free(errors.bytes), free(decided), free(kept);
     return fclose(in) | fclose(out);
 }
 #endif

@@ -10,7 +10,8 @@ use super::programs::{ProgramArguments, VerifyArguments};
 use super::set::SetArguments;
 use super::{measured, project};
 use report::console::{stderr, stdout};
-use report::{Form, count, render_baseline, render_difference};
+use report::{Form, count, render_baseline, render_difference, render_sight};
+use results::judge::gate::judge_gate;
 use runner::baseline::measured_metrics;
 use scenario::registry::Registry;
 
@@ -143,6 +144,12 @@ fn save(
         count(baseline.runs(), "run"),
         baseline.seed
     );
+    for gate in &suite.gates {
+        // With itself it can always be compared, but for metrics that the gate names and no run has.
+        if let Ok(seen) = judge_gate(gate, &baseline, &baseline, false) {
+            write!(stdout(), "{}", render_sight(&seen));
+        }
+    }
     Ok(())
 }
 

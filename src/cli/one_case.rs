@@ -10,6 +10,7 @@ use super::programs::ProgramArguments;
 use super::set::SetArguments;
 use report::console::stderr;
 use runner::corpus;
+use runner::plan::PlannedTrial;
 use runner::project::{PlannedSuite, Project};
 use runner::run::BatchError;
 use runner::session::{UnitKind, Work, units};
@@ -86,19 +87,19 @@ impl CaseArguments {
                 return Ok(FoundCase { suite, case: Case { key: key.clone(), ..case }, criteria });
             }
         }
-        let cases = || {
-            let trials = suites.iter().flat_map(|suite| suite.plan.trials().map(move |one| (suite, one)));
-            trials.flat_map(|(suite, trial)| {
-                let runs = 0..trial.cases.len();
-                runs.map(move |run| (suite, trial.clone(), trial.cases.get(run)))
-            })
+        let trials = || suites.iter().flat_map(|suite| suite.plan.trials().map(move |one| (suite, one)));
+        let named = |(suite, trial): (&'a PlannedSuite, PlannedTrial)| {
+            let case = trial.cases.named(key)?;
+            Some(FoundCase { suite, case, criteria: trial.criteria.clone() })
         };
-        if let Some((suite, trial, case)) = cases().find(|(_, _, case)| case.key == *key) {
-            return Ok(FoundCase { suite, case, criteria: trial.criteria.clone() });
+        if let Some(found) = trials().find_map(named) {
+            return Ok(found);
         }
         writeln!(stderr(), "error: no run is called `{key}`");
         let similarity = |known: &str| (strsim::normalized_levenshtein(known, key) * 1e6) as u64;
-        let nearest = cases().map(|(_, _, case)| case.key).max_by_key(|known| similarity(known));
+        let keys =
+            trials().flat_map(|(_, trial)| (0..trial.cases.len()).map(move |run| trial.cases.key(run)));
+        let nearest = keys.max_by_key(|known| similarity(known));
         if let Some(nearest) = nearest {
             writeln!(stderr(), "help: the nearest name is `{nearest}`");
         }

@@ -134,7 +134,7 @@ fn shrink_found(
     may_be_written(&path, arguments.force)?;
     let place = KnobPlace {
         scenario,
-        variation: case.variation.clone(),
+        variation: case.variation.iter().cloned().chain(case.drawn_values()).collect(),
         individuals: case.individuals.clone(),
         key: case.key.clone(),
         seed: case.seed,

@@ -202,7 +202,7 @@ codes! {
         "A vehicle starts at `start 80 m before crossing`, `start 6 s before crossing`, or as far out as a pedestrian \
          that `appears when time_to_arrival(vehicle) = …` needs it.";
     NobodyThere = "E0507", "a scenario has nobody in it",
-        "A scenario needs at least one vehicle and one pedestrian.";
+        "A scenario needs at least one vehicle and one pedestrian, or two vehicles of which one says `on` which other road it drives.";
     UnequalLists = "E0508", "lists that belong together differ in length",
         "`vary together` takes the first value of each list together, then the second, and so on.";
     RepeatedValue = "E0509", "a variation lists a value twice",
@@ -252,6 +252,20 @@ codes! {
     NoRefuge = "E0533", "somebody is to wait on a refuge and cannot",
         "`waits on refuge` needs a refuge on the way, `median 2 m after lane 0 with refuge`, and a model that walks leg by leg: on \
          each it minds only whom it meets before the next refuge.";
+    BadJunction = "E0534", "a road cannot lie over another like that",
+        "`over main { at: 20 m, angle: 90 deg }` lays a road over the road `main`, which a scenario chooses; its vehicles drive there \
+         with `on side` and `start 40 m before junction`. Crossings, boxes and people are said of the road below, which may not lie \
+         over another itself.";
+    WrongRoad = "E0535", "a vehicle cannot drive on that road",
+        "A vehicle drives on the road of its scenario, or says `on side` where the road `side` lies `over` that one. On the first places \
+         are counted `before crossing`, on the other `before junction`, which is where the two roads meet.";
+    BadDraw = "E0540", "a file cannot be drawn from",
+        "`draw together from \"exposure.csv\"` draws a row in every run. The header names the columns, with units in square brackets: `tta \
+         [s],speed [km/h],weight`. A row is as likely as its weight is of the sum of all weights, all equally without that column; weights \
+         are at least 0 and not all of them 0. `draw tta from \"gaps.csv\"` takes one column.";
+    IdleDraw = "E0541", "a draw that changes nothing",
+        "What is drawn in every run and used nowhere makes no run another one, though it looks as if chance were at work, and claims with a \
+         confidence rest on that. Use it in a value of a road user, or leave it out.";
     UnmeantModel = "E0525", "a number with one published value is varied",
         "Some numbers of a model are no free choice. The noise and the filters of `commotions` are per time step, so that with \
          another `dt` than the published one (25 ms for variants with noise, 100 ms for those without) it is another model, \
@@ -485,7 +499,13 @@ codes! {
         "`vary x in normal(…) 500 times` makes 500 trials, each with a verdict of its own. Where each has one run, a share of its \
          runs is 0 % or 100 %, a mean or quantile is the value of that run, and `rate(…) <= 5 %` says that it may not happen at \
          all. Say what has to hold in every run, or let every trial have many runs with `repeat`. What is to be true of all \
-         draws together is no criterion of a trial: a `statement` can claim it, `claim rate(collision) of NAME <= 5 %`.";
+         draws together is a criterion of a scenario in which every run draws its own, `draw x from normal(…)` and `repeat 500`.";
+    OnlyTheseRuns = "W0950", "a claim about drawn runs says nothing of those that were not drawn",
+        "Where runs draw what differs between them, a share or a mean without a confidence is that of the runs that were made: with another \
+         seed it is another one. `with 95 % confidence` makes it a claim about all that may be drawn.";
+    CutOff = "W0951", "what is drawn is cut off",
+        "A distribution reaches beyond what can be run, by less than one in ten million draws at each end: those are drawn again. More would \
+         be an error. `truncated_normal(mean, standard deviation, low, high)` says where it ends.";
     NothingClaimed = "W0938", "no criterion applies to some trials",
         "Every criterion of the scenario has a `when` that does not hold there, so that nothing is claimed of these trials: they \
          are run, counted as not judged in every report, and are evidence of nothing. Add a criterion without `when`, or leave \

@@ -95,6 +95,11 @@ pub fn complete(
         ["road"] => visible(path, &without_line(text, before.len()), registry, texts, |kind| {
             matches!(kind, ast::Defining::RoadDefinition(_))
         }),
+        ["over" | "on"] if is(block, &[BlockKind::Road, BlockKind::Vehicle]) => {
+            visible(path, &without_line(text, before.len()), registry, texts, |kind| {
+                matches!(kind, ast::Defining::RoadDefinition(_))
+            })
+        }
         [.., ":"] if is(block, &[BlockKind::File]) => {
             visible(path, &without_line(text, before.len()), registry, texts, |kind| {
                 matches!(kind, ast::Defining::Scenario(_))
@@ -294,7 +299,10 @@ impl Named {
         let user = || ast::RoadUser::cast(node).is_some();
         match self {
             Self::Value => {
-                varied() || ast::Binding::cast(node).is_some() || ast::Parameter::cast(node).is_some()
+                varied()
+                    || ast::Draw::cast(node).is_some()
+                    || ast::Binding::cast(node).is_some()
+                    || ast::Parameter::cast(node).is_some()
             }
             Self::Variation => varied(),
             Self::Vehicle => ast::Vehicle::cast(node).is_some(),

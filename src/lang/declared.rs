@@ -1,6 +1,6 @@
 //! What may stand in the settings of a statement: what a registered thing declares, or the language itself.
 
-use super::check::{bus, crossings, obstacle, parked_row, turn};
+use super::check::{bus, crossings, obstacle, over, parked_row, turn};
 use super::syntax::Node;
 use super::syntax::ast::{self, View};
 use scenario::Declaration;
@@ -26,6 +26,7 @@ pub fn named(word: &str, name: &str, registry: &Registry) -> Option<Declaration>
         "parked_row" => Some(parked_row()),
         "bus" => Some(bus()),
         "turn" => Some(turn()),
+        "over" => Some(over()),
         _ => choices(word, registry).into_iter().find(|(known, _)| known == name).map(|(_, found)| found),
     }
 }

@@ -105,6 +105,7 @@ impl Overrides {
                 Some(ast::Settable::Argument(node)) => edits.named(node.name(), node.value()),
                 Some(ast::Settable::Parameter(node)) => edits.parameter(node),
                 Some(ast::Settable::Varied(node)) if node.is_alone() => edits.variation(node),
+                Some(ast::Settable::Draw(node)) => edits.draw(node),
                 Some(ast::Settable::VaryTogether(node)) => edits.together(node),
                 Some(ast::Settable::Scenario(node)) => edits.block(*node.block(), ""),
                 Some(ast::Settable::Vehicle(node)) => {
@@ -175,6 +176,14 @@ impl Edits<'_> {
         let name = node.name();
         if let Some(wanted) = self.wanted(name.text()) {
             self.replace(name.span().end..node.span().end, format!(" in {}", values(&wanted)));
+        }
+    }
+
+    /// What is set is no longer drawn.
+    fn draw(&mut self, node: ast::Draw) {
+        let name = node.name();
+        if let Some(wanted) = self.wanted(name.text()) {
+            self.replace(range(*node), format!("vary {} in {}", wanted.name, values(&wanted)));
         }
     }
 

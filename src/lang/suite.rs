@@ -306,6 +306,7 @@ fn everybody<'a>(scenarios: &'a [Scenario], registry: &'a Registry) -> check::Ca
         groups: check::groups(scenarios.iter().flat_map(|s| &s.pedestrians)),
         boxes: scenarios.iter().flat_map(|s| &s.road.boxes).map(|body| body.name.as_str()).collect(),
         individuals: None,
+        are_drawn: false,
         metrics: registry.metrics(),
     }
 }

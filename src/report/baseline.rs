@@ -5,9 +5,9 @@ use std::fmt::Write;
 use super::format::{count, quantity, share};
 use files::escape::markdown;
 use numbers::summary::mean;
-use results::Change;
 use results::judge::baseline::{Baseline, RecordedMetric, RecordedTrial, pair};
-use results::judge::gate::vehicle_changes;
+use results::judge::gate::{OFTEN, share_of_one, vehicle_changes};
+use results::{Change, Check, ComparedSubject, GateVerdict, Power};
 use scenario::MetricKind;
 
 const STRING: &str = "writing to a string cannot fail";
@@ -19,6 +19,94 @@ pub enum Form {
     Terminal,
     /// For comments on pull requests.
     Markdown,
+}
+
+/// What a gate will see of later changes, as its comparison of a baseline with itself tells: said before anybody relies on it.
+pub fn render_sight(gate: &GateVerdict) -> String {
+    let mut text = format!("gate {}, if no run gets better:\n", gate.gate);
+    for (index, rule) in gate.rules.iter().enumerate() {
+        let own: Vec<&Check> = gate.checks.iter().filter(|check| check.rule == index).collect();
+        if own.is_empty() {
+            writeln!(text, "  `{rule}` compares nothing").expect(STRING);
+        }
+        for here in own.chunk_by(|one, next| one.place == next.place) {
+            let place = &here[0].place;
+            let flags = here.iter().filter_map(|check| seen_of_flag(check));
+            for line in flags.chain(seen_of_quantities(here)) {
+                writeln!(text, "  {place}: {line} (`{rule}`)").expect(STRING);
+            }
+        }
+    }
+    text
+}
+
+/// From which rise on, or fall, something is seen that is true or false.
+fn seen_of_flag(check: &Check) -> Option<String> {
+    let (label, cases) = (&check.label, share(OFTEN));
+    let least = match (check.subject, check.power) {
+        (ComparedSubject::Mean | ComparedSubject::Existence, _) => return None,
+        (ComparedSubject::New, _) => share_of_one(check.units),
+        (_, Power::Share(least)) => least,
+        (_, Power::Everything) => return Some(format!("without chance, any change of {label} is seen")),
+        (_, Power::Blind { needed }) => {
+            let more = format!("it takes {needed} {} (`repeat`)", units(check));
+            return Some(format!(
+                "with these {} {} no change of {label} is seen; {more}",
+                check.units,
+                units(check)
+            ));
+        }
+        (_, Power::Shift(_) | Power::None) => return None,
+    };
+    let (change, to) = match check.larger_is_worse {
+        true => ("rise", (check.base + least).min(1.0)),
+        false => ("fall", (check.base - least).max(0.0)),
+    };
+    let seeds = if check.subject == ComparedSubject::New { ", on the same seeds" } else { "" };
+    let (from, to) = (share(check.base), share(to));
+    Some(format!(
+        "with these {} {} a {change} of {label} from {from} to about {to} is seen in {cases} of cases{seeds}",
+        check.units,
+        units(check)
+    ))
+}
+
+/// In how many runs quantities have to get worse for that to be seen.
+fn seen_of_quantities(checks: &[&Check]) -> Vec<String> {
+    let means = || checks.iter().filter(|check| check.subject == ComparedSubject::Mean);
+    let shares = || {
+        means().filter_map(|check| {
+            Some((if let Power::Share(least) = check.power { least } else { return None }, check))
+        })
+    };
+    let mut lines = Vec::new();
+    if let Some((least, check)) = shares().reduce(|one, next| if next.0 < one.0 { next } else { one }) {
+        let what = quantities(shares().count());
+        lines.push(format!(
+            "{what} that get worse in fewer than about {} of {} are not seen",
+            share(least),
+            units(check)
+        ));
+    }
+    let blind = || means().filter(|check| check.needed() > 0);
+    if let Some(check) = blind().max_by_key(|check| check.needed()) {
+        let what = quantities(blind().count());
+        lines.push(format!(
+            "no change of {what} is seen; it takes {} {} (`repeat`)",
+            check.needed(),
+            units(check)
+        ));
+    }
+    lines
+}
+
+/// What is independent of each other.
+fn units(check: &Check) -> &'static str {
+    if check.units < check.runs { "people" } else { "runs" }
+}
+
+fn quantities(number: usize) -> String {
+    if number == 1 { "1 quantity".to_string() } else { format!("{number} quantities") }
 }
 
 /// Suite, seed, version, what is tested, and every metric's mean per trial.

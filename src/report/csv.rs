@@ -32,6 +32,8 @@ const LAST: [&str; 2] = ["fingerprint", "message"];
 /// Which columns stand between the first and the last: all that any of the suites has, in the order of the plan.
 struct Columns<'r> {
     variations: Vec<&'r str>,
+    /// What runs draw.
+    drawn: Vec<&'r str>,
     /// Index in the outcomes, metric and heading.
     metrics: Vec<(usize, &'r Metric, String)>,
     criteria: Vec<&'r str>,
@@ -57,6 +59,7 @@ impl<'r> Columns<'r> {
     fn of(reports: &'r [SuiteReport], requests: &'r Requests) -> Self {
         let mut variations: Vec<&str> = Vec::new();
         let mut criteria: Vec<&str> = Vec::new();
+        let mut drawn: Vec<&str> = Vec::new();
         let add = |columns: &mut Vec<&'r str>, name: &'r str| {
             if !columns.contains(&name) {
                 columns.push(name);
@@ -64,6 +67,7 @@ impl<'r> Columns<'r> {
         };
         for trial in reports.iter().flat_map(|report| &report.trials) {
             trial.trial.variation.iter().for_each(|one| add(&mut variations, &one.name));
+            trial.outcomes.iter().flat_map(|run| &run.drawn).for_each(|one| add(&mut drawn, &one.name));
             let judged = trial.trial.criteria.iter().filter(|criterion| per_run(criterion).is_some());
             judged.for_each(|criterion| add(&mut criteria, &criterion.text));
         }
@@ -74,13 +78,21 @@ impl<'r> Columns<'r> {
             let heading = if unit.is_empty() { label } else { format!("{label} [{unit}]") };
             Some((index, metric, heading))
         };
-        Self { variations, metrics: requests.iter().enumerate().filter_map(metric).collect(), criteria }
+        Self {
+            variations,
+            drawn,
+            metrics: requests.iter().enumerate().filter_map(metric).collect(),
+            criteria,
+        }
     }
 
     fn write_header(&self, writer: &mut Writer<impl Write>) -> io::Result<()> {
         FIRST.iter().try_for_each(|name| writer.write_field(name))?;
         for name in &self.variations {
             writer.write_field(csv_cell(&format!("variation {name}")))?;
+        }
+        for name in &self.drawn {
+            writer.write_field(csv_cell(&format!("drawn {name}")))?;
         }
         for (_, _, heading) in &self.metrics {
             writer.write_field(csv_cell(heading))?;
@@ -114,12 +126,19 @@ impl<'r> Columns<'r> {
         writer.write_field(of(&|run| csv_cell(&people(&run.individuals))))?;
         writer.write_field(of(&|run| ending(run.ending.reason).to_string()))?;
         writer.write_field(of(&|run| run.ending.time.to_string()))?;
+        let cell = |value: &Value| match value {
+            Value::Word(word) => csv_cell(word),
+            value => value.to_string(),
+        };
         for name in &self.variations {
-            let value = row.variation.iter().find(|one| one.name == *name).map(|one| match &one.value {
-                Value::Word(word) => csv_cell(word),
-                value => value.to_string(),
-            });
+            let value = row.variation.iter().find(|one| one.name == *name).map(|one| cell(&one.value));
             writer.write_field(value.unwrap_or_default())?;
+        }
+        for name in &self.drawn {
+            writer.write_field(of(&|run| {
+                let value = run.drawn.iter().find(|one| one.name == *name).map(|one| cell(&one.value));
+                value.unwrap_or_default()
+            }))?;
         }
         for (index, metric, _) in &self.metrics {
             writer.write_field(of(&|run| {

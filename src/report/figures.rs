@@ -1,5 +1,7 @@
 //! The charts of a suite's report: which there are, and their data out of trials and recorded runs.
 
+mod drawn;
+
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::chart::{
@@ -47,6 +49,7 @@ pub fn figures(report: &SuiteReport, requests: &Requests, recordings: &[Recordin
         if matches!(data.kind(*index), Some(MetricKind::Quantity(_))) {
             figures.extend(data.distributions(*index));
             figures.extend(data.individuals(*index));
+            figures.extend(data.drawn(*index));
             figures.extend(data.conditions(*index));
         }
     }

@@ -290,6 +290,7 @@ impl Session {
                 key: case.key.clone(),
                 seed: case.seed,
                 individuals: case.individuals.clone(),
+                drawn: Vec::new(),
                 ending: Ending { reason: StopReason::Completed, time: 20.0 },
                 metrics: self.requests.iter().map(value).collect(),
                 critical: self.requests.iter().map(|_| Some(critical(run))).collect(),

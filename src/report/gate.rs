@@ -142,6 +142,14 @@ pub fn context(verdict: &GateVerdict) -> Vec<String> {
         let changes: Vec<_> = verdict.changes.iter().map(ToString::to_string).collect();
         lines.push(format!("tested: {}", changes.join(", ")));
     }
+    let others = verdict.family - verdict.primary;
+    if verdict.primary > 0 && others > 0 {
+        lines.push(format!(
+            "{} of primary rules may err in half of the cases in which the gate may, {} in the other half",
+            count(verdict.primary, "comparison"),
+            if others == 1 { "the other".to_string() } else { format!("{others} others") },
+        ));
+    }
     lines.extend(verdict.nondeterministic.iter().map(|one| format!("warning: {one}")));
     lines.extend(blindness(verdict));
     lines.extend(cancelled(verdict));
@@ -168,7 +176,7 @@ pub fn blindness(verdict: &GateVerdict) -> Vec<String> {
     let rules = verdict.blind_rules.iter();
     let rules = rules.map(|rule| format!("`{rule}` could not have failed: {}", why_blind(verdict, rule)));
     let places = verdict.blind_places.iter().map(|BlindPlace { rule, scenario, units, needed }| {
-        let why = too_few(verdict, *units, *needed);
+        let why = too_few(verdict, rule, *units, *needed);
         format!("`{rule}` could not have failed in {scenario}, where something changed: {why}")
     });
     rules.chain(places).collect()
@@ -181,8 +189,8 @@ fn why_blind(verdict: &GateVerdict, rule: &str) -> String {
         _ => None,
     });
     match needed.max() {
-        Some((needed, units)) => too_few(verdict, units, needed),
-        None if rule.starts_with("no new ") && !verdict.same_seeds => {
+        Some((needed, units)) => too_few(verdict, rule, units, needed),
+        None if rule.trim_start_matches(PRIMARY).starts_with("no new ") && !verdict.same_seeds => {
             "the seeds differ, and only of a run on the same seed can be said that something in it is new"
                 .to_string()
         }
@@ -190,14 +198,20 @@ fn why_blind(verdict: &GateVerdict, rule: &str) -> String {
     }
 }
 
-fn too_few(verdict: &GateVerdict, units: usize, needed: usize) -> String {
+/// What a rule begins with that has an error of its own.
+const PRIMARY: &str = "primary ";
+
+fn too_few(verdict: &GateVerdict, rule: &str, units: usize, needed: usize) -> String {
     if needed == 0 {
         return "nobody can say which way is worse".to_string();
     }
     format!(
         "{} nothing among {}; it takes {needed} or more (`repeat`)",
         if units == 1 { "1 run shows".to_string() } else { format!("{units} runs show") },
-        count(verdict.family, "comparison"),
+        match rule.starts_with(PRIMARY) {
+            true => count(verdict.primary, "primary comparison"),
+            false => count(verdict.family - verdict.primary, "comparison"),
+        },
     )
 }
 

@@ -56,7 +56,7 @@ mod trace;
 mod variable;
 mod wording;
 
-pub use baseline::{Form, render_baseline, render_difference};
+pub use baseline::{Form, render_baseline, render_difference, render_sight};
 pub use calibration::{draw_calibration, render_calibrate};
 pub use controllers::render_controllers;
 pub use csv::write_csv;

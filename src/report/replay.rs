@@ -17,7 +17,9 @@ pub fn case_values(case: &Case, scenario: &Scenario) -> Vec<(String, String)> {
         }
         _ => one.label.clone(),
     };
-    case.variation.iter().map(|one| (one.name.clone(), shown(one))).collect()
+    // Who was drawn is told with their parameters.
+    let drawn: Vec<Assignment> = case.drawn_values().collect();
+    case.variation.iter().chain(&drawn).map(|one| (one.name.clone(), shown(one))).collect()
 }
 
 /// A parameter of a person in SI units: few digits where it was fitted or drawn.

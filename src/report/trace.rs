@@ -89,7 +89,7 @@ fn on_the_road(world: &World, sample: &Sample) -> (f64, f64) {
     const NEAR: f64 = 5.0;
     let Some(bend) = &world.road.bend else { return (sample.position.x, sample.position.y) };
     let found = bend.line.project(sample.position);
-    let lane = world.vehicles.get(sample.who).map(|car| world.road.path(car.lane));
+    let lane = world.vehicles.get(sample.who).filter(|car| car.road == 0).map(|car| world.path_of(car));
     if let (Some(course), Some(place)) = (lane.as_ref().and_then(Path::course), sample.travelled) {
         let station = course.station(place);
         if (station - found.station).abs() > NEAR {

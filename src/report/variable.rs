@@ -52,7 +52,7 @@ impl Variable {
 }
 
 /// The unit that all labels end in and its size in SI units, if there is one such.
-fn common_unit(taken: &[&Assignment]) -> Option<(String, f64)> {
+pub(super) fn common_unit(taken: &[&Assignment]) -> Option<(String, f64)> {
     let mut common: Option<(&str, f64)> = None;
     for one in taken {
         let label = one.label.split('#').next().unwrap_or_default();

@@ -50,7 +50,10 @@ pub fn interval(finding: &Finding) -> Option<String> {
 
 /// Whom a finding with confidence speaks of, where people walk who are somebody: `of these 5 people`.
 pub fn whom(finding: &Finding) -> Option<String> {
-    let Regarding { whom, people } = finding.people?;
+    let Regarding { whom, people, drawn } = finding.people?;
+    if drawn {
+        return Some("of all people, one drawn for each run".to_string());
+    }
     Some(match (whom, people) {
         (People::These, 1) => "of this person".to_string(),
         (People::These, _) => format!("of these {people} people"),

@@ -93,6 +93,9 @@ pub struct Regarding {
     pub whom: People,
     /// How many walked.
     pub people: usize,
+    /// Whether every run is of somebody of their own, drawn with replacement.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub drawn: bool,
 }
 
 /// A run that a finding names.

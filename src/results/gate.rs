@@ -109,6 +109,9 @@ pub struct GateVerdict {
     pub rules: Vec<String>,
     /// How many comparisons share the error, because chance plays a part in them.
     pub family: usize,
+    /// How many of them are of primary rules, which have half of the error for themselves; the others share the other half.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub primary: usize,
     /// Rules none of whose comparisons could have failed anywhere, whatever had happened.
     pub blind_rules: Vec<String>,
     /// Scenarios in which a rule that sees elsewhere could not have failed, though something changed there.
@@ -134,6 +137,10 @@ pub struct GateVerdict {
     /// Programs under test on either side that do not decide the same each time, a sentence each.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub nondeterministic: Vec<String>,
+}
+
+fn is_zero(count: &usize) -> bool {
+    *count == 0
 }
 
 impl GateVerdict {
@@ -245,7 +252,7 @@ pub struct Check {
     pub larger_is_worse: bool,
     /// Of "it is not worse by more than the tolerance".
     pub p_value: Option<f64>,
-    /// The same after Holm's correction for all comparisons of the gate.
+    /// The same after Holm's correction for all comparisons of the gate of its kind, and doubled where there are primary ones and others.
     pub adjusted_p_value: Option<f64>,
     /// What it would have caught.
     pub power: Power,

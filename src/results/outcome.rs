@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::requests::Requests;
 use numbers::json;
-use scenario::{Criterion, Individual};
+use scenario::{Criterion, Draw, Individual};
 use sim::Ending;
 use sim::measure::{Open, Presence};
 
@@ -21,6 +21,9 @@ pub struct Outcome {
     pub seed: u64,
     /// The people who walked in it.
     pub individuals: Vec<Individual>,
+    /// What its scenario drew for it, people last; empty of one that draws nothing.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub drawn: Vec<Draw>,
     /// When it ended, and why.
     pub ending: Ending,
     /// One per request, in their order; `None` where the metric does not exist in this run.
@@ -106,12 +109,13 @@ pub struct CutOff {
     pub unfinished: Vec<Unfinished>,
 }
 
-/// A vehicle that had yet to pass, and a pedestrian who was not across its lane, had not been hit by it, or had yet to appear.
+/// A vehicle that had yet to pass, and a pedestrian who was not across its lane, had not been hit by it, or had yet to appear; or two
+/// vehicles of which one was not through where their ways cross.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Unfinished {
     /// The vehicle's name.
     pub vehicle: Arc<str>,
-    /// The pedestrian's name.
+    /// The name of the pedestrian, or of the other vehicle.
     pub pedestrian: Arc<str>,
 }
 

@@ -105,7 +105,7 @@ impl Recording {
         let cars = world.vehicles.len();
         let mut pairs = Vec::new();
         for (vehicle, car) in world.vehicles.iter().enumerate() {
-            let path = world.road.path(car.lane);
+            let path = world.path_of(car);
             for (pedestrian, person) in world.pedestrians.iter().enumerate() {
                 let Some(conflict) = path.met_between(person.start.into(), person.goal.into()) else {
                     continue;

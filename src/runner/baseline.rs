@@ -6,13 +6,13 @@ use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 use crate::plan::{Plan, PlannedTrial};
-use crate::run::{Executor, departures, drawing};
+use crate::run::{Executor, departures, nothing_is_drawn};
 use results::judge::baseline::{Baseline, Parts, RecordedMetric, RecordedTrial, TestedVehicle};
 use results::{Outcome, Requests};
 use scenario::registry::Registry;
 use scenario::{
-    ANOTHER_MODEL, Case, DeclaredProgram, MetricKind, MetricReference, PedestrianSetup, Suite, VehicleSetup,
-    VehicleStart, World,
+    ANOTHER_MODEL, Case, DeclaredProgram, MetricKind, MetricReference, PedestrianSetup, Road, Suite,
+    VehicleSetup, VehicleStart, World,
 };
 
 /// Digits of a value that are kept: enough for any comparison, and short enough to read.
@@ -27,7 +27,9 @@ pub fn record(plan: &Plan, trials: &[(&PlannedTrial, &[Outcome])], requests: &Re
     let mut vehicles: Vec<Vec<TestedVehicle>> = Vec::new();
     let mut recorded = Vec::with_capacity(trials.len());
     for (trial, outcomes) in trials {
-        let tested = tested_vehicles(&trial.cases.first());
+        // Of drawn runs each is another; the one in the middle stands for all that they do not draw.
+        let middle = trial.cases.middle();
+        let tested = tested_vehicles(middle.as_ref().unwrap_or(&trial.cases.first()));
         let place = vehicles.iter().position(|known| *known == tested).unwrap_or_else(|| {
             vehicles.push(tested);
             vehicles.len() - 1
@@ -41,11 +43,17 @@ pub fn record(plan: &Plan, trials: &[(&PlannedTrial, &[Outcome])], requests: &Re
         recorded.push(RecordedTrial {
             key: trial.key.strip_prefix(&format!("{suite}/")).unwrap_or(&trial.key).to_string(),
             scenario: trial.scenario.clone(),
-            certain: trial.cases.worlds().iter().all(|world| drawing(world).is_empty()),
+            certain: nothing_is_drawn(&trial.cases),
             fingerprint: hash(&outcomes.iter().map(|outcome| outcome.fingerprint).collect::<Vec<_>>(), 16),
             seeds: Some(hash(&trial.cases.iter().map(|case| case.seed).collect::<Vec<_>>(), 12)),
             warnings: departures(trial),
-            parts: parts(&trial.cases.iter().collect::<Vec<_>>()),
+            parts: match middle {
+                Some(middle) => Parts {
+                    simulation: hash(&(trial.cases.declared_draws(), simulation(&middle.world)), 12),
+                    ..parts(&[Case { individuals: Vec::new(), ..middle }])
+                },
+                None => parts(&trial.cases.iter().collect::<Vec<_>>()),
+            },
             vehicles: place,
             runs: outcomes.iter().map(label).collect(),
             values: (0..requests.iter().count()).map(row).collect(),
@@ -125,6 +133,7 @@ fn tested_vehicles(case: &Case) -> Vec<TestedVehicle> {
             dynamics,
             length,
             width,
+            road: _,
             lane: _,
             speed: _,
             start: _,
@@ -140,7 +149,16 @@ fn tested_vehicles(case: &Case) -> Vec<TestedVehicle> {
 /// What stands around the tested vehicles. All of a world is in here or in [`tested_vehicles`]: whoever adds something to it
 /// decides where.
 fn parts(cases: &[Case]) -> Parts {
-    let World { road, vehicles, pedestrians: _, step, horizon, finish, end_on_collision } = &*cases[0].world;
+    let World {
+        road,
+        other_roads,
+        vehicles,
+        pedestrians: _,
+        step: _,
+        horizon: _,
+        finish: _,
+        end_on_collision: _,
+    } = &*cases[0].world;
     let traffic: Vec<_> = vehicles
         .iter()
         .map(|vehicle| {
@@ -150,6 +168,7 @@ fn parts(cases: &[Case]) -> Parts {
                 dynamics: _,
                 length: _,
                 width: _,
+                road,
                 lane,
                 speed,
                 start,
@@ -158,21 +177,29 @@ fn parts(cases: &[Case]) -> Parts {
                 obeys_signals: _,
             } = vehicle;
             // Of whom nothing is said about it is known by the hash of before that could be said.
-            match *behind {
-                0.0 => Traffic::ByCentre(name, *lane, *speed, *start),
-                behind => Traffic::Behind(name, *lane, *speed, *start, behind),
+            match (*road, *behind) {
+                (0, 0.0) => Traffic::ByCentre(name, *lane, *speed, *start),
+                (0, behind) => Traffic::Behind(name, *lane, *speed, *start, behind),
+                (road, behind) => Traffic::Elsewhere(name, (road, *lane), *speed, *start, behind),
             }
         })
         .collect();
     let people: Vec<_> = cases.iter().map(|case| &case.individuals).collect();
-    let end = (step, horizon, finish, end_on_collision);
     Parts {
-        road: hash(&road.unnamed(), 12),
+        road: match other_roads.is_empty() {
+            true => hash(&road.unnamed(), 12),
+            false => hash(&(road.unnamed(), other_roads.iter().map(Road::unnamed).collect::<Vec<_>>()), 12),
+        },
         pedestrians: hash(&cases.iter().map(impersonal).collect::<Vec<_>>(), 12),
         people: hash(&people, 12),
         traffic: hash(&traffic, 12),
-        simulation: hash(&end, 12),
+        simulation: hash(&simulation(&cases[0].world), 12),
     }
+}
+
+/// How a world is simulated, and until when.
+fn simulation(world: &World) -> (f64, f64, f64, bool) {
+    (world.step, world.horizon, world.finish, world.end_on_collision)
 }
 
 /// Where a tested vehicle drives.
@@ -181,6 +208,8 @@ fn parts(cases: &[Case]) -> Parts {
 enum Traffic<'a> {
     ByCentre(&'a str, usize, f64, VehicleStart),
     Behind(&'a str, usize, f64, VehicleStart, f64),
+    /// On another road than the first, with its number before that of the lane.
+    Elsewhere(&'a str, (usize, usize), f64, VehicleStart, f64),
 }
 
 /// A case's pedestrians without what their individuals bring, and without the flag that changes no run.

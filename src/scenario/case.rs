@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Settings, Value, World};
+use super::{Draw, Settings, Value, World};
 use numbers::json;
 
 /// One run. Everything that decides its outcome is in here.
@@ -17,7 +17,13 @@ pub struct Case {
     pub scenario: String,
     /// The values of its variations, in the order in which they are declared.
     pub variation: Vec<Assignment>,
-    /// The parameter sets drawn for pedestrians, in the order of the pedestrians that have one.
+    /// What the scenario drew for this run, in the order in which it is declared, people last; empty of one that draws nothing.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub drawn: Vec<Draw>,
+    /// Why there is no such run, where what was drawn is not possible: whoever is to make it says so.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub impossible: Option<String>,
+    /// The parameter sets of pedestrians, in the order of the pedestrians that have one.
     pub individuals: Vec<Individual>,
     /// Counted from 1.
     pub repetition: u32,
@@ -26,6 +32,19 @@ pub struct Case {
     pub seed: u64,
     /// Shared by all repetitions.
     pub world: Arc<World>,
+}
+
+impl Case {
+    /// What it drew, but for people, as if it were given from outside.
+    pub fn drawn_values(&self) -> impl Iterator<Item = Assignment> {
+        let value = |one: &Draw| Assignment {
+            name: one.name.clone(),
+            label: one.label.clone(),
+            value: one.value.clone(),
+        };
+        // The name of a person's draw is no name that a file can give.
+        self.drawn.iter().filter(|one| !one.name.contains('.')).map(value)
+    }
 }
 
 /// A variation's name with the value it has in a case.

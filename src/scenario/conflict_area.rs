@@ -54,7 +54,12 @@ const CLOSE: f64 = 1e-10;
 
 impl ConflictArea {
     /// Of somebody who crosses a straight path at the angle of this cosine and sine.
-    fn of_lines(point: Conflict, (cosine, sine): (f64, f64), vehicle: (f64, f64), body: (f64, f64)) -> Self {
+    pub(super) fn of_lines(
+        point: Conflict,
+        (cosine, sine): (f64, f64),
+        vehicle: (f64, f64),
+        body: (f64, f64),
+    ) -> Self {
         let half =
             |own: (f64, f64), other: f64| own.0 / 2.0 + (other / 2.0 + own.1 / 2.0 * cosine.abs()) / sine;
         Self {
@@ -140,7 +145,7 @@ fn area(
 }
 
 /// How far what holds at a place holds on in one direction.
-fn end(holds: impl Fn(f64) -> bool, place: f64, sign: f64) -> f64 {
+pub(super) fn end(holds: impl Fn(f64) -> bool, place: f64, sign: f64) -> f64 {
     let mut inside = 0.0;
     // Whoever crosses is out again after some lengths of a body.
     while inside < 100.0 && holds(place + sign * (inside + LOOKS)) {

@@ -30,6 +30,10 @@ pub struct Criterion {
 pub struct Reach {
     /// Whom it speaks of, if it says so.
     pub people: Option<People>,
+    /// Whether every run of its scenario is of somebody else, drawn anew: all people, and runs that are independent. Worked out when it
+    /// is planned.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub drawn_people: bool,
     /// Between what limits its metric lies in its scenario, in the metric's unit. Worked out when it is planned.
     pub limits: Option<(f64, f64)>,
 }

@@ -6,10 +6,10 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Calibrate, ControllerModel, Criterion, DeclaredBend, DeclaredGround, DeclaredSignal, Distribution,
-    DynamicsModel, Evaluate, EvaluationError, Expression, Gate, Individuals, MetricReference, Notation,
-    Origin, PedestrianModel, PerceptionModel, Rating, Reference, Road, RoadUserKind, Search, Side, Statement,
-    Tune, Value, VariedValue, VehicleReference, Written,
+    Calibrate, ControllerModel, Criterion, DeclaredBend, DeclaredDraw, DeclaredGround, DeclaredOtherRoad,
+    DeclaredSignal, Distribution, DynamicsModel, Evaluate, EvaluationError, Expression, Gate, Individuals,
+    MetricReference, Notation, Origin, PedestrianModel, PerceptionModel, PopulationShare, Rating, Reference,
+    Road, RoadUserKind, Search, Side, Statement, Tune, Value, VariedValue, VehicleReference, Written,
 };
 
 /// A suite: scenarios and what holds for all of them. A bare `.scn` file becomes a suite named after the file.
@@ -119,12 +119,18 @@ pub struct Scenario {
     /// What of its crossing's signal depends on variations.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub signal: Option<DeclaredSignal>,
+    /// Roads that lie over its road, on which some of its vehicles drive, in the order in which these say so.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub other_roads: Vec<DeclaredOtherRoad>,
     /// In order; their names and those of pedestrians are all different.
     pub vehicles: Vec<Vehicle>,
     /// In order.
     pub pedestrians: Vec<DeclaredPedestrian>,
     /// Crossed with each other in order; the last varies fastest.
     pub variations: Vec<Variation>,
+    /// What every run draws, in order: what one depends on stands before it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub draws: Vec<DeclaredDraw>,
     /// Runs per variation and individual, at least 1; not said where `runs` is.
     pub repeat: u32,
     /// `None`: as many runs as `repeat` makes.
@@ -148,6 +154,19 @@ pub struct Scenario {
     pub written: BTreeMap<String, Written>,
     /// Where it is declared.
     pub origin: Origin,
+}
+
+impl Scenario {
+    /// Whether its runs differ in what they draw: values, or people.
+    pub fn is_drawn(&self) -> bool {
+        !self.draws.is_empty() || self.draws_people()
+    }
+
+    /// Whether every run is of somebody else, drawn from a population.
+    pub fn draws_people(&self) -> bool {
+        let drawn = |individuals: &Individuals| individuals.selection == PopulationShare::Drawn;
+        self.pedestrians.iter().any(|person| person.individuals.as_ref().is_some_and(drawn))
+    }
 }
 
 /// Where a crossing is that is not the origin of all places.
@@ -207,6 +226,9 @@ pub struct Vehicle {
     pub speed: Expression,
     /// Where it is at time 0.
     pub start: DeclaredVehicleStart,
+    /// The name of the road that it drives on, where that lies over the scenario's own; `None`: on that.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub road: Option<String>,
     /// Index into [`Road::lanes`].
     pub lane: usize,
     /// Which point of it follows its lane.
@@ -532,10 +554,10 @@ impl Variation {
         let index = self.names().iter().position(|varied| varied == name)?;
         match self {
             Self::Grid { rows, .. } => Some(rows.iter().map(|row| &row[index].value).collect()),
-            Self::Sampled { samples, .. } => match &samples.distributions[index] {
-                Distribution::Choice(options) => Some(options.iter().map(|option| &option.value).collect()),
-                _ => None,
-            },
+            Self::Sampled { samples, .. } => {
+                let options = samples.distributions[index].options()?;
+                Some(options.iter().map(|option| &option.value).collect())
+            }
         }
     }
 

@@ -1,25 +1,14 @@
-//! What sampled variations draw from: distributions whose numbers may depend on other variations, and all that has to be known of
-//! each.
+//! What draws and sampled variations draw from: distributions whose numbers may depend on variations and on other draws, and all that
+//! has to be known of each.
 
 use std::collections::BTreeMap;
 
-use numbers::distributions::normal::Normal;
-use numbers::summary::median_of;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::{EvaluationError, Expression, Value};
+use super::{EvaluationError, Expression, KnownDistribution, Value, VariedValue};
 
-/// A value with the words it was written in, which name the trial.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct VariedValue {
-    /// SI units.
-    pub value: Value,
-    /// Without spaces, such as `6s` or `30km/h`.
-    pub label: String,
-}
-
-/// What a sampled variation is drawn from.
+/// What a draw or a sampled variation is drawn from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Distribution {
@@ -48,8 +37,47 @@ pub enum Distribution {
         /// The high end, SI units.
         high: Expression,
     },
+    /// A normal distribution of the logarithm.
+    LogNormal {
+        /// SI units, above 0.
+        median: Expression,
+        /// Standard deviation of the natural logarithm, at least 0.
+        sigma: Expression,
+    },
+    /// Between two ends, likeliest at a mode, falling in straight lines.
+    Triangular {
+        /// The low end, SI units.
+        low: Expression,
+        /// The likeliest value, SI units.
+        mode: Expression,
+        /// The high end, SI units.
+        high: Expression,
+    },
+    /// A beta distribution, stretched to lie between two ends.
+    Beta {
+        /// Above 0.
+        alpha: Expression,
+        /// Above 0.
+        beta: Expression,
+        /// The low end, SI units.
+        low: Expression,
+        /// The high end, SI units.
+        high: Expression,
+    },
+    /// An exponential distribution.
+    Exponential {
+        /// SI units, above 0.
+        mean: Expression,
+    },
     /// One of these, all equally likely.
     Choice(Vec<VariedValue>),
+    /// One of these, as likely as its weight is of the sum of all.
+    Weighted {
+        /// What may be drawn.
+        options: Vec<VariedValue>,
+        /// One for each: at least 0, some of them above.
+        weights: Vec<f64>,
+    },
 }
 
 /// How scenarios call a distribution, and what they give it.
@@ -64,41 +92,84 @@ pub struct DistributionWord {
 /// What a distribution is made of.
 #[derive(Debug, Clone, Copy)]
 pub enum DistributionOf {
-    /// Numbers of one dimension: what each is, and the distribution of so many.
-    Numbers(&'static [&'static str], fn(Vec<Expression>) -> Option<Distribution>),
-    /// Any number of values of one kind.
-    Values(fn(Vec<VariedValue>) -> Distribution),
+    /// Numbers of one dimension, and plain ones: what each is, and the distribution of so many.
+    Numbers(&'static [NumberOf], fn(Vec<Expression>) -> Option<Distribution>),
+    /// Any number of values of one kind, each with a weight or all without.
+    Values,
+}
+
+/// A number that a distribution is given.
+#[derive(Debug, Clone, Copy)]
+pub struct NumberOf {
+    /// What it is, such as `mean`.
+    pub name: &'static str,
+    /// Whether it is a plain number, whatever the dimension of what is drawn.
+    pub is_plain: bool,
 }
 
 /// Every distribution there is.
-pub const DISTRIBUTIONS: [DistributionWord; 4] = {
+pub const DISTRIBUTIONS: [DistributionWord; 8] = {
     use DistributionOf::{Numbers, Values};
     const fn word(word: &'static str, of: DistributionOf) -> DistributionWord {
         DistributionWord { word, of }
     }
+    const fn own(name: &'static str) -> NumberOf {
+        NumberOf { name, is_plain: false }
+    }
+    const fn plain(name: &'static str) -> NumberOf {
+        NumberOf { name, is_plain: true }
+    }
     [
         word(
             "uniform",
-            Numbers(&["low", "high"], |numbers| {
+            Numbers(&[own("low"), own("high")], |numbers| {
                 let [low, high] = numbers.try_into().ok()?;
                 Some(Distribution::Uniform { low, high })
             }),
         ),
         word(
             "normal",
-            Numbers(&["mean", "standard deviation"], |numbers| {
+            Numbers(&[own("mean"), own("standard deviation")], |numbers| {
                 let [mean, standard_deviation] = numbers.try_into().ok()?;
                 Some(Distribution::Normal { mean, standard_deviation })
             }),
         ),
         word(
             "truncated_normal",
-            Numbers(&["mean", "standard deviation", "low", "high"], |numbers| {
+            Numbers(&[own("mean"), own("standard deviation"), own("low"), own("high")], |numbers| {
                 let [mean, standard_deviation, low, high] = numbers.try_into().ok()?;
                 Some(Distribution::TruncatedNormal { mean, standard_deviation, low, high })
             }),
         ),
-        word("choice", Values(Distribution::Choice)),
+        word(
+            "log_normal",
+            Numbers(&[own("median"), plain("sigma")], |numbers| {
+                let [median, sigma] = numbers.try_into().ok()?;
+                Some(Distribution::LogNormal { median, sigma })
+            }),
+        ),
+        word(
+            "triangular",
+            Numbers(&[own("low"), own("mode"), own("high")], |numbers| {
+                let [low, mode, high] = numbers.try_into().ok()?;
+                Some(Distribution::Triangular { low, mode, high })
+            }),
+        ),
+        word(
+            "beta",
+            Numbers(&[plain("alpha"), plain("beta"), own("low"), own("high")], |numbers| {
+                let [alpha, beta, low, high] = numbers.try_into().ok()?;
+                Some(Distribution::Beta { alpha, beta, low, high })
+            }),
+        ),
+        word(
+            "exponential",
+            Numbers(&[own("mean")], |numbers| {
+                let [mean] = numbers.try_into().ok()?;
+                Some(Distribution::Exponential { mean })
+            }),
+        ),
+        word("choice", Values),
     ]
 };
 
@@ -107,38 +178,6 @@ impl DistributionWord {
     pub fn find(word: &str) -> Option<&'static Self> {
         DISTRIBUTIONS.iter().find(|known| known.word == word)
     }
-}
-
-/// A distribution with all of its numbers; a spread of 0 makes it a constant.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum KnownDistribution<'a> {
-    /// Any number between two equally likely.
-    Uniform {
-        /// The low end, SI units.
-        low: f64,
-        /// The high end, SI units, at least `low`.
-        high: f64,
-    },
-    /// A normal distribution.
-    Normal {
-        /// SI units.
-        mean: f64,
-        /// SI units, at least 0.
-        standard_deviation: f64,
-    },
-    /// A normal distribution without what lies outside of two ends.
-    TruncatedNormal {
-        /// Before it is cut, SI units.
-        mean: f64,
-        /// Before it is cut, SI units, at least 0.
-        standard_deviation: f64,
-        /// The low end, SI units.
-        low: f64,
-        /// The high end, SI units, at least `low`.
-        high: f64,
-    },
-    /// One of these, all equally likely.
-    Choice(&'a [VariedValue]),
 }
 
 /// Why nothing can be drawn.
@@ -154,6 +193,12 @@ pub enum DistributionError {
     /// It would be narrower than a constant.
     #[error("the standard deviation is below 0")]
     NegativeSpread,
+    /// The likeliest value is not among those that are possible.
+    #[error("the mode is not between the ends")]
+    ModeOutside,
+    /// A number has to be above 0, of that name.
+    #[error("its {0} is not above 0")]
+    NotPositive(&'static str),
 }
 
 impl DistributionError {
@@ -163,48 +208,10 @@ impl DistributionError {
             Self::Evaluation(_) => None,
             Self::Reversed => Some("write the smaller value first"),
             Self::NegativeSpread => Some("give a standard deviation of at least 0"),
-        }
-    }
-}
-
-/// A value of a distribution.
-#[derive(Debug, Clone, PartialEq)]
-pub enum DrawnValue<'a> {
-    /// SI units.
-    Number(f64),
-    /// One of those that were listed.
-    Listed(&'a VariedValue),
-}
-
-impl<'a> KnownDistribution<'a> {
-    /// The value below which `share` of it lies; of a list, the one at that share.
-    pub fn quantile(&self, share: f64) -> DrawnValue<'a> {
-        DrawnValue::Number(match *self {
-            Self::Uniform { low, high } => low + (high - low) * share,
-            Self::Normal { mean, standard_deviation } => Normal { mean, standard_deviation }.quantile(share),
-            Self::TruncatedNormal { mean, standard_deviation: 0.0, low, high } => mean.clamp(low, high),
-            Self::TruncatedNormal { mean, standard_deviation, low, high } => {
-                Normal { mean, standard_deviation }.quantile_within(share, low, high)
+            Self::ModeOutside => {
+                Some("write the low end, the likeliest value and the high end, in this order")
             }
-            Self::Choice(options) => {
-                let index = (share * options.len() as f64) as usize;
-                return DrawnValue::Listed(&options[index.min(options.len() - 1)]);
-            }
-        })
-    }
-
-    /// The number that stands for all of it, and what that is; `None` of what is no number.
-    pub fn nominal(&self) -> Option<(f64, &'static str)> {
-        match *self {
-            Self::Uniform { low, high } => Some((low + (high - low) / 2.0, "the middle of its range")),
-            Self::Normal { mean, .. } => Some((mean, "its mean")),
-            Self::TruncatedNormal { mean, low, high, .. } => {
-                Some((mean.clamp(low, high), "its most likely value"))
-            }
-            Self::Choice(options) => {
-                let numbers: Option<Vec<f64>> = options.iter().map(|one| one.value.as_number()).collect();
-                Some((median_of(&numbers?)?, "the middle of its values"))
-            }
+            Self::NotPositive(_) => Some("give a number above 0"),
         }
     }
 }
@@ -222,7 +229,19 @@ impl Distribution {
             Self::TruncatedNormal { mean, standard_deviation, low, high } => {
                 vec![mean, standard_deviation, low, high]
             }
-            Self::Choice(_) => Vec::new(),
+            Self::LogNormal { median, sigma } => vec![median, sigma],
+            Self::Triangular { low, mode, high } => vec![low, mode, high],
+            Self::Beta { alpha, beta, low, high } => vec![alpha, beta, low, high],
+            Self::Exponential { mean } => vec![mean],
+            Self::Choice(_) | Self::Weighted { .. } => Vec::new(),
+        }
+    }
+
+    /// What may be drawn, where that is a list.
+    pub fn options(&self) -> Option<&[VariedValue]> {
+        match self {
+            Self::Choice(options) | Self::Weighted { options, .. } => Some(options),
+            _ => None,
         }
     }
 
@@ -243,6 +262,10 @@ impl Distribution {
             let spread = number(expression)?;
             if spread >= 0.0 { Ok(spread) } else { Err(DistributionError::NegativeSpread) }
         };
+        let positive = |expression: &Expression, name: &'static str| {
+            let number = number(expression)?;
+            if number > 0.0 { Ok(number) } else { Err(DistributionError::NotPositive(name)) }
+        };
         Ok(match self {
             Self::Uniform { low, high } => {
                 let (low, high) = ends(low, high)?;
@@ -257,7 +280,24 @@ impl Distribution {
                 let (mean, standard_deviation) = (number(mean)?, spread(standard_deviation)?);
                 KnownDistribution::TruncatedNormal { mean, standard_deviation, low, high }
             }
+            Self::LogNormal { median, sigma } => {
+                KnownDistribution::LogNormal { median: positive(median, "median")?, sigma: spread(sigma)? }
+            }
+            Self::Triangular { low, mode, high } => {
+                let ((low, high), mode) = (ends(low, high)?, number(mode)?);
+                if !(low..=high).contains(&mode) {
+                    return Err(DistributionError::ModeOutside);
+                }
+                KnownDistribution::Triangular { low, mode, high }
+            }
+            Self::Beta { alpha, beta, low, high } => {
+                let (low, high) = ends(low, high)?;
+                let (alpha, beta) = (positive(alpha, "alpha")?, positive(beta, "beta")?);
+                KnownDistribution::Beta { alpha, beta, low, high }
+            }
+            Self::Exponential { mean } => KnownDistribution::Exponential { mean: positive(mean, "mean")? },
             Self::Choice(options) => KnownDistribution::Choice(options),
+            Self::Weighted { options, weights } => KnownDistribution::Weighted { options, weights },
         })
     }
 }

@@ -18,6 +18,9 @@ use super::{
 pub struct World {
     /// Where everybody moves.
     pub road: Road,
+    /// Roads that lie over it, on which vehicles drive and nobody walks.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub other_roads: Vec<Road>,
     /// In the order in which they are declared, which is that of every index of a vehicle.
     pub vehicles: Vec<VehicleSetup>,
     /// In the order in which they are declared, which is that of every index of a pedestrian.
@@ -99,6 +102,9 @@ pub struct VehicleSetup {
     pub length: f64,
     /// m
     pub width: f64,
+    /// Which of the world's roads it drives on: 0 is [`World::road`], and then come [`World::other_roads`].
+    #[serde(default, skip_serializing_if = "is_first")]
+    pub road: usize,
     /// Index into [`Road::lanes`].
     pub lane: usize,
     /// Speed of the steady cruise at the start in m/s; also what a controller takes as its wanted speed by default.
@@ -201,8 +207,8 @@ fn is_zero(number: &f64) -> bool {
     *number == 0.0
 }
 
-fn is_first(crossing: &usize) -> bool {
-    *crossing == 0
+fn is_first(number: &usize) -> bool {
+    *number == 0
 }
 
 fn is_false(flag: &bool) -> bool {

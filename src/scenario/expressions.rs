@@ -2,8 +2,8 @@
 
 use super::{
     Aggregate, BendRadius, Claim, DeclaredAppearance, DeclaredBend, DeclaredFollowing, DeclaredGround,
-    DeclaredPedestrian, DeclaredPiece, DeclaredShape, DeclaredSignal, DeclaredVehicleStart, Expression,
-    Model, Origin, PieceKind, Vehicle, WalksAlong,
+    DeclaredOtherRoad, DeclaredPedestrian, DeclaredPiece, DeclaredShape, DeclaredSignal,
+    DeclaredVehicleStart, Expression, Model, Origin, PieceKind, Vehicle, WalksAlong,
 };
 
 /// Declares how the expressions of something are gathered, for looking at them and for changing them. Everything is taken apart,
@@ -13,7 +13,7 @@ macro_rules! expressions {
         use super::*;
 
         pub fn vehicle(car: &$($mut)? Vehicle) -> Vec<(&$($mut)? Expression, &Origin)> {
-            let Vehicle { name: _, controller, dynamics, size, speed, start, lane: _, follows, sees, obeys_signals: _, origin } = car;
+            let Vehicle { name: _, controller, dynamics, size, speed, start, road: _, lane: _, follows, sees, obeys_signals: _, origin } = car;
             let mut found = model(controller);
             if let Some(dynamics) = dynamics {
                 found.extend(model(dynamics));
@@ -93,19 +93,41 @@ macro_rules! expressions {
             let origin: &Origin = origin;
             let mut found = vec![(crossing, origin)];
             for piece in pieces {
-                let DeclaredPiece { kind, origin } = piece;
-                let origin: &Origin = origin;
-                match kind {
-                    PieceKind::Straight { length } => found.push((length, origin)),
-                    PieceKind::Clothoid { length, to: about } | PieceKind::Arc { angle: length, about } => {
-                        found.push((length, origin));
-                        if let Some(BendRadius { radius, is_left: _ }) = about {
-                            found.push((radius, origin));
-                        }
+                found.extend(of_piece(piece));
+            }
+            found
+        }
+
+        pub fn other_road(other: &$($mut)? DeclaredOtherRoad) -> Vec<(&$($mut)? Expression, &Origin)> {
+            let DeclaredOtherRoad { road: _, pieces, ground: under, at, meets, angle, origin } = other;
+            let origin: &Origin = origin;
+            let mut found = vec![(at, origin), (angle, origin)];
+            if let Some(meets) = meets {
+                found.push((meets, origin));
+            }
+            for piece in pieces {
+                found.extend(of_piece(piece));
+            }
+            if let Some(under) = under {
+                found.extend(ground(under));
+            }
+            found
+        }
+
+        fn of_piece(piece: &$($mut)? DeclaredPiece) -> Vec<(&$($mut)? Expression, &Origin)> {
+            let DeclaredPiece { kind, origin } = piece;
+            let origin: &Origin = origin;
+            let mut found = Vec::new();
+            match kind {
+                PieceKind::Straight { length } => found.push((length, origin)),
+                PieceKind::Clothoid { length, to: about } | PieceKind::Arc { angle: length, about } => {
+                    found.push((length, origin));
+                    if let Some(BendRadius { radius, is_left: _ }) = about {
+                        found.push((radius, origin));
                     }
-                    PieceKind::Turn { is_left: _, radius, clothoid, arc } => {
-                        found.extend([(radius, origin), (clothoid, origin), (arc, origin)]);
-                    }
+                }
+                PieceKind::Turn { is_left: _, radius, clothoid, arc } => {
+                    found.extend([(radius, origin), (clothoid, origin), (arc, origin)]);
                 }
             }
             found
@@ -201,6 +223,18 @@ impl DeclaredBend {
     /// As [`Self::expressions`].
     pub fn expressions_mut(&mut self) -> Vec<(&mut Expression, &Origin)> {
         exclusive::bend(self)
+    }
+}
+
+impl DeclaredOtherRoad {
+    /// Every expression of it, with the place that gives it.
+    pub fn expressions(&self) -> Vec<(&Expression, &Origin)> {
+        shared::other_road(self)
+    }
+
+    /// As [`Self::expressions`].
+    pub fn expressions_mut(&mut self) -> Vec<(&mut Expression, &Origin)> {
+        exclusive::other_road(self)
     }
 }
 

@@ -26,6 +26,9 @@ pub struct GateRule {
     pub metric: Option<MetricReference>,
     /// How much worse is accepted.
     pub tolerance: Tolerance,
+    /// Whether it shares its error with other primary rules alone, not with all comparisons of the gate.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub primary: bool,
     /// Confidence (0..1) with which it must be shown that the tolerance is kept.
     pub confidence: f64,
     /// In canonical words, such as `no metric worse by more than 5 % with 95 % confidence`.

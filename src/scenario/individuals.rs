@@ -30,4 +30,6 @@ pub enum PopulationShare {
     Count(u32),
     /// One by its number.
     Number(u32),
+    /// Somebody else in every run, drawn with replacement.
+    Drawn,
 }

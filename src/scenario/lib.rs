@@ -24,9 +24,11 @@ mod criterion;
 mod declaration;
 mod declared;
 mod declared_bend;
+mod declared_road;
 mod dimension;
 mod direction;
 mod distribution;
+mod draw;
 mod entry;
 mod evaluate;
 mod expression;
@@ -35,6 +37,7 @@ mod gate;
 pub mod geometry;
 mod ground;
 mod individuals;
+mod known_distribution;
 pub mod limits;
 mod metric;
 mod notation;
@@ -42,6 +45,7 @@ mod observations;
 mod optimisation;
 mod origin;
 mod path;
+mod path_conflict;
 mod placed;
 mod placement;
 pub mod population;
@@ -59,6 +63,8 @@ mod symbol;
 mod traffic_signal;
 mod trial;
 mod value;
+mod varied_value;
+mod world;
 
 pub use agent::CommandKind;
 pub use aggregate::{AGGREGATES, Aggregate, AggregateBounds, AggregateOf, AggregateResponse, AggregateWord};
@@ -80,12 +86,13 @@ pub use declared::{
     TestedInstead, Variation, Vehicle, WalksAlong,
 };
 pub use declared_bend::{BendRadius, DeclaredBend, DeclaredPiece, PieceKind, WIDE};
+pub use declared_road::DeclaredOtherRoad;
 pub use dimension::Dimension;
 pub use direction::{Direction, Side};
 pub use distribution::{
-    DISTRIBUTIONS, Distribution, DistributionError, DistributionOf, DistributionWord, DrawnValue,
-    KnownDistribution, VariedValue,
+    DISTRIBUTIONS, Distribution, DistributionError, DistributionOf, DistributionWord, NumberOf,
 };
+pub use draw::{DeclaredDraw, Draw, DrawSource, DrawTable};
 pub use entry::{
     AT_THE_CROSSING, BuildController, BuildDynamics, BuildPedestrian, BuildPerception, CROSSES,
     ControllerContext, ControllerModel, DynamicsModel, ModelSetup, PedestrianContext, PedestrianModel,
@@ -96,6 +103,7 @@ pub use expression::{BinaryOperator, EvaluationError, Expression};
 pub use gate::{Gate, GateRule, Tolerance};
 pub use ground::{DeclaredGround, GRAVITY, Ground};
 pub use individuals::{Individuals, PopulationShare};
+pub use known_distribution::{DrawnValue, KnownDistribution, at_share};
 pub use metric::{Absence, Meters, Metric, MetricKind, MetricRange, Scope, Worst};
 pub use notation::{Notation, Written, out_of_range, show, show_apart, show_both, show_outside};
 pub use observations::{ObservationError, Observations, ObservedRow};
@@ -105,6 +113,7 @@ pub use optimisation::{
 };
 pub use origin::Origin;
 pub use path::{Located, Path};
+pub use path_conflict::PathConflict;
 pub use placement::{Appearance, Position, Shape, VehicleReference, VehicleStart};
 pub use program::{Answer, DeclaredFmu, DeclaredProgram, Delay, ProgramKind, WiredVariable};
 pub use program_fault::{FaultKind, ProgramFault};
@@ -122,3 +131,4 @@ pub use symbol::Symbol;
 pub use traffic_signal::{DeclaredSignal, STOP_LINE, SeenSignal, SignalError, SignalState, TrafficSignal};
 pub use trial::{Rounds, Trial};
 pub use value::{Settings, Value, significant};
+pub use varied_value::VariedValue;

@@ -61,6 +61,8 @@ pub const BEND_ANGLE: Limit = limit(Dimension::ANGLE, 0.001, 2.0 * std::f64::con
 pub const STATION: Limit = limit(Dimension::LENGTH, 0.0, 100_000.0);
 /// From the middle of the first crossing of a straight road to that of another.
 pub const CROSSING_PLACE: Limit = limit(Dimension::LENGTH, -1000.0, 1000.0);
+/// From the direction of a road to that of one that lies over it.
+pub const JUNCTION_ANGLE: Limit = limit(Dimension::ANGLE, -std::f64::consts::PI, std::f64::consts::PI);
 /// Of a strip between two lanes.
 pub const MEDIAN: Limit = limit(Dimension::LENGTH, 0.1, 100.0);
 /// Length and width of road users.

@@ -67,6 +67,8 @@ pub enum Scope {
     Pair,
     /// A vehicle and anything solid: a pedestrian, another vehicle or a box.
     Contact,
+    /// A vehicle and another vehicle.
+    Vehicles,
     /// Each vehicle.
     Vehicle,
     /// Each pedestrian.

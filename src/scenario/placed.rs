@@ -2,6 +2,9 @@
 
 use nalgebra::{Rotation2, Vector2};
 
+use std::sync::Arc;
+
+use super::geometry::{GeometryError, Piece, Pose, ReferenceLine};
 use super::{Bend, Body, Position, Road, Side};
 
 /// A road that turns less than this in all does not come back to itself, rad.
@@ -13,7 +16,32 @@ const LOOKS: f64 = 1.0;
 /// … and so far beyond its ends, m.
 const BEYOND: f64 = 100.0;
 
+impl Bend {
+    /// That of a road which is at the point of a pose when it is `station` m behind its beginning, and heads there `angle` (rad) to the
+    /// left of that.
+    ///
+    /// # Errors
+    /// A piece that is none.
+    pub fn through(met: Pose, angle: f64, pieces: &[Piece], station: f64) -> Result<Self, GeometryError> {
+        let there = ReferenceLine::new(Pose::origin(), pieces)?.pose(station);
+        let heading = met.heading + angle - there.heading;
+        let (cosine, sine, way) = (libm::cos(heading), libm::sin(heading), there.point);
+        let turned = Vector2::new(cosine * way.x - sine * way.y, sine * way.x + cosine * way.y);
+        let start = Pose { point: met.point - turned, heading, curvature: 0.0 };
+        Ok(Self { line: Arc::new(ReferenceLine::new(start, pieces)?), crossing: station })
+    }
+}
+
 impl Road {
+    /// Where another road meets the centre line of lane 0: so far along it from the middle of the first crossing, or on a path from its
+    /// beginning (m).
+    pub fn met_at(&self, at: f64) -> Pose {
+        match &self.bend {
+            None => Pose { point: Vector2::new(at, 0.0), ..Pose::origin() },
+            Some(bend) => bend.line.pose(at),
+        }
+    }
+
     /// The point that lies so far along the centre line of lane 0 from the middle of the crossing, and so far to the left of that line, m;
     /// with the road's heading there (rad).
     pub fn placed(&self, along: f64, across: f64) -> (Position, f64) {

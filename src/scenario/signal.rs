@@ -85,7 +85,7 @@ pub const SEEN: [SignalEntry; 24] = [
 ];
 
 /// Those of `object1` to `object8`, who are ahead, nearest first.
-pub const OBJECT: [SignalEntry; 7] = [
+pub const OBJECT: [SignalEntry; 8] = [
     flag("present", "Whether there are so many ahead."),
     signal("x", Dimension::LENGTH, "Centre, ahead of the vehicle's centre; 1000 m if not present."),
     signal("y", Dimension::LENGTH, "Centre, to the left of the lane's centre line; 0 if not present."),
@@ -93,6 +93,11 @@ pub const OBJECT: [SignalEntry; 7] = [
     signal("vy", Dimension::SPEED, "Over ground, to the left; 0 if not present."),
     signal("length", Dimension::LENGTH, "Along the lane; 0 if not present."),
     signal("width", Dimension::LENGTH, "Across the lane; 0 if not present."),
+    signal(
+        "kind",
+        Dimension::NUMBER,
+        "1 on foot, 2 on a bicycle, 3 on an electric scooter, 4 a vehicle; 0 if not present.",
+    ),
 ];
 
 /// Every signal that may be told, by its whole name: [`SEEN`], then [`OBJECT`] of each of the [`OBJECTS`].
@@ -133,12 +138,12 @@ mod tests {
     #[test]
     fn every_signal_has_a_name_of_its_own() {
         let mut names: Vec<String> = input_signals().map(|(name, _)| name).collect();
-        assert_eq!(names.len(), 24 + 8 * 7);
+        assert_eq!(names.len(), 24 + 8 * 8);
         assert_eq!(names[3], "ego.speed");
         assert_eq!(names[24], "object1.present");
-        assert_eq!(names.last().unwrap(), "object8.width");
+        assert_eq!(names.last().unwrap(), "object8.kind");
         names.sort();
         names.dedup();
-        assert_eq!(names.len(), 24 + 8 * 7);
+        assert_eq!(names.len(), 24 + 8 * 8);
     }
 }

@@ -82,11 +82,11 @@ struct Settling {
 
 impl Control {
     pub fn new(world: &World, setup: &VehicleSetup, driven: &Driven) -> Self {
-        let road = &world.road;
-        let (right_kerb, left_kerb) = road.path(setup.lane).kerbs(road);
+        let (road, path) = (world.road_of(setup), world.path_of(setup));
+        let (right_kerb, left_kerb) = path.kerbs(road);
         let ground = road.ground.towards(road.lanes[setup.lane].direction);
-        let bends = CurvatureChanges::new(setup.path(road).curvature_changes());
-        let crossings = CrossingsAhead::new(setup, road);
+        let bends = CurvatureChanges::new(path.curvature_changes());
+        let crossings = CrossingsAhead::new(world, setup);
         let observed = || Observation {
             time: 0.0,
             ego: EgoState {

@@ -19,7 +19,7 @@ use scenario::agent::{
     Command, ControllerError, Mode, Motion, Observation, Pedestrian, PedestrianState, Scene, Snapshot,
     VehicleState,
 };
-use scenario::{Appearance, Path, PedestrianSetup, VehicleReference, World};
+use scenario::{Appearance, Path, PedestrianSetup, VehicleReference, VehicleSetup, World};
 
 /// The time at which a run ends that nothing ends before its horizon, s: a whole number of steps.
 pub fn longest_run(horizon: f64, step: f64) -> f64 {
@@ -75,7 +75,8 @@ pub fn has_arrived(world: &World, state: &Snapshot, who: Solid) -> bool {
         Solid::Vehicle(index) => state.vehicles[index].motion.travelled >= world.finish,
         Solid::Pedestrian(index) => {
             let person = &state.pedestrians[index];
-            person.present && state.vehicles.iter().all(|car| has_crossed(world, state, index, car))
+            let mut cars = state.vehicles.iter().zip(&world.vehicles);
+            person.present && cars.all(|(car, driven)| has_crossed(world, state, index, (car, driven)))
         }
         Solid::Box(_) => true,
     }
@@ -85,7 +86,12 @@ pub fn has_arrived(world: &World, state: &Snapshot, who: Solid) -> bool {
 const AT_THE_GOAL: f64 = 1e-6;
 
 /// Whether a pedestrian has left the lane of a vehicle behind; of who walks along it, whether they are at their goal.
-pub fn has_crossed(world: &World, state: &Snapshot, pedestrian: usize, car: &VehicleState) -> bool {
+pub fn has_crossed(
+    world: &World,
+    state: &Snapshot,
+    pedestrian: usize,
+    (car, driven): (&VehicleState, &VehicleSetup),
+) -> bool {
     let setup = &world.pedestrians[pedestrian];
     let place = state.pedestrians[pedestrian].position;
     if car.path.course().is_none() {
@@ -95,7 +101,7 @@ pub fn has_crossed(world: &World, state: &Snapshot, pedestrian: usize, car: &Veh
         }
         return car.path.beyond(place, setup.side) >= world.road.lane_width / 2.0;
     }
-    walked(setup, place) >= way_across(world, setup, &car.path)
+    walked(setup, place) >= way_across(world, setup, (driven, &car.path))
 }
 
 /// How far somebody has come on the straight line from its start to its goal, m.
@@ -104,10 +110,12 @@ fn walked(setup: &PedestrianSetup, place: Vector2<f64>) -> f64 {
 }
 
 /// The way (m) from somebody's start until a path that bends is left behind: to the edge of its lane that they leave it by, or to
-/// their goal if that is never reached.
-fn way_across(world: &World, setup: &PedestrianSetup, path: &Path) -> f64 {
+/// their goal if that is never reached. Who does not cross the lane of a vehicle on another road has none of it before them.
+fn way_across(world: &World, setup: &PedestrianSetup, (car, path): (&VehicleSetup, &Path)) -> f64 {
     let (start, goal) = (Vector2::from(setup.start), Vector2::from(setup.goal));
-    let edge = path.way_to_far_edge((start, goal), setup.side, world.road.lane_width);
+    let side = if car.road == 0 { Some(setup.side) } else { world.crosses_from(setup, car) };
+    let Some(side) = side else { return 0.0 };
+    let edge = path.way_to_far_edge((start, goal), side, world.road_of(car).lane_width);
     edge.unwrap_or_else(|| (goal - start).norm())
 }
 
@@ -339,7 +347,8 @@ impl Course {
             control.take_effect(time);
             if control.is_due(time) {
                 let driven = &mut self.users.vehicles[vehicle];
-                let done = control.decide(driven, time, vehicle, state, &self.world.road);
+                let road = self.world.road_of(&self.world.vehicles[vehicle]);
+                let done = control.decide(driven, time, vehicle, state, road);
                 if control.looks() {
                     let moment = time - self.index as f64 * self.world.step;
                     control.tell_sightings(vehicle, moment, &mut self.sightings);
@@ -517,7 +526,15 @@ impl Course {
             Solid::Pedestrian(index) => {
                 let person = &self.now.pedestrians[index];
                 let come = walked(&self.world.pedestrians[index], person.position);
-                person.present && self.across[index * cars..(index + 1) * cars].iter().all(|way| come >= *way)
+                let left = |car: usize| match self.now.vehicles[car].path.course() {
+                    // Those of a straight road as if there were no other.
+                    None => {
+                        let both = (&self.now.vehicles[car], &self.world.vehicles[car]);
+                        has_crossed(&self.world, &self.now, index, both)
+                    }
+                    Some(_) => come >= self.across[index * cars + car],
+                };
+                person.present && (0..cars).all(left)
             }
             who => has_arrived(&self.world, &self.now, who),
         })
@@ -526,12 +543,15 @@ impl Course {
 
 /// Of every pedestrian across the path of every vehicle, m; nothing on a straight road.
 fn ways_across(world: &World) -> Vec<f64> {
-    if world.road.bend.is_none() {
+    if world.road.bend.is_none() && world.other_roads.is_empty() {
         return Vec::new();
     }
-    let paths: Vec<Path> = world.vehicles.iter().map(|setup| world.road.path(setup.lane)).collect();
-    let ways =
-        world.pedestrians.iter().flat_map(|setup| paths.iter().map(|path| way_across(world, setup, path)));
+    let paths: Vec<(&VehicleSetup, Path)> =
+        world.vehicles.iter().map(|setup| (setup, world.path_of(setup))).collect();
+    let ways = world
+        .pedestrians
+        .iter()
+        .flat_map(|setup| paths.iter().map(|(car, path)| way_across(world, setup, (car, path))));
     ways.collect()
 }
 
@@ -549,7 +569,7 @@ pub fn meeting_place(world: &World, setup: &PedestrianSetup) -> f64 {
         Appearance::At(_) => 0.0,
         Appearance::Meeting { place, .. } => place,
         Appearance::TimeToArrival { vehicle, .. } => {
-            world.road.path(world.vehicles[vehicle].lane).met_by(setup.start, setup.goal)
+            world.path_of(&world.vehicles[vehicle]).met_by(setup.start, setup.goal)
         }
     }
 }

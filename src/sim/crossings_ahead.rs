@@ -1,7 +1,7 @@
 //! What a vehicle is told of the crossings of its road.
 
 use scenario::agent::{CrossingView, Observation};
-use scenario::{Road, VehicleSetup};
+use scenario::{Road, VehicleSetup, World};
 
 /// The crossings of a road in the order in which a vehicle comes to them.
 pub(super) struct CrossingsAhead {
@@ -25,8 +25,8 @@ struct MetCrossing {
 }
 
 impl CrossingsAhead {
-    pub fn new(setup: &VehicleSetup, road: &Road) -> Self {
-        let path = setup.path(road);
+    pub fn new(world: &World, setup: &VehicleSetup) -> Self {
+        let (road, path) = (world.road_of(setup), world.path_of(setup));
         let met = |(number, (along, crossing)): (usize, (f64, &scenario::Crossing))| MetCrossing {
             number,
             // The first is the origin, to the bit.

@@ -188,7 +188,7 @@ pub fn distance(vehicle: &VehicleState, pedestrian: &PedestrianState) -> f64 {
 }
 
 /// Smallest distance between two outlines, m; 0 when they touch or overlap.
-pub(super) fn apart(one: &Footprint, other: &Footprint) -> f64 {
+pub fn apart(one: &Footprint, other: &Footprint) -> f64 {
     let (length, width) = match (one.shape, other.shape) {
         (Shape::Rectangle { length, width }, _) => (length, width),
         (Shape::Disc { .. }, Shape::Rectangle { .. }) => return apart(other, one),

@@ -58,7 +58,7 @@ pub use scenario::agent::{
     SeenVehicle, Snapshot, Stated, StatedBy, Steered, VehicleState, velocity_inside,
 };
 pub use solid::Solid;
-pub use start::{beginning, blocked_lanes, collision_course, overlaps};
+pub use start::{beginning, blocked_lanes, collision_course, overlaps, path_conflicts};
 pub use timeline::{Happening, Timeline, TimelineEvent};
 pub use trace::{Sample, Trace, TraceMark};
-pub use turning::contact_with;
+pub use turning::{contact_with, vehicles_meet};

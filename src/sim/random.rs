@@ -1,6 +1,6 @@
 //! Who draws in a run, and what for: one stream per agent and purpose, so that a draw added to one never shifts another's.
 
-use numbers::random::Stream;
+use numbers::random::{Stream, derive_seed};
 
 /// Who draws: a pedestrian or a vehicle, by its [rank](numbers::random::ranks) among its kind. A draw added to one
 /// agent never shifts another's.
@@ -36,6 +36,12 @@ pub fn stream(seed: u64, agent: Agent, purpose: Purpose) -> Stream {
     Stream::numbered(seed, kind << 56 | (index as u64) << 8 | purpose as u64)
 }
 
+/// The stream of what a scenario declares to be drawn, by its name, in the run with seed `seed`. What else is drawn shifts nothing, and no
+/// number of a stream meets those of agents. `attempt` counts from 0 where a run is drawn again.
+pub fn declared(seed: u64, name: &str, attempt: u64) -> Stream {
+    Stream::numbered(derive_seed(seed, &format!("draw/{name}")), attempt)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -45,6 +51,15 @@ mod tests {
         let mut walker = stream(42, Agent::Pedestrian(0), Purpose::Perception);
         let draws: Vec<_> = (0..4).map(|_| walker.normal()).collect();
         insta::assert_debug_snapshot!(draws);
+    }
+
+    #[test]
+    fn declared_draws_are_golden_and_differ_by_seed_name_and_attempt() {
+        let first = |seed, name, attempt| declared(seed, name, attempt).uniform();
+        // A change here changes every drawn run.
+        assert_eq!(first(42, "speed", 0), 0.061_576_262_255_460_87);
+        let others = [first(43, "speed", 0), first(42, "gap", 0), first(42, "speed", 1)];
+        assert!(others.iter().all(|other| *other != first(42, "speed", 0)));
     }
 
     #[test]

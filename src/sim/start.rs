@@ -8,7 +8,7 @@ use super::geometry::{Footprint, apart};
 use super::solid::Solid;
 use super::turning::contact_ahead;
 use scenario::agent::{Longitudinal, PedestrianState, Snapshot, VehicleState};
-use scenario::{Appearance, Body, PedestrianSetup, VehicleSetup, VehicleStart, World};
+use scenario::{Appearance, Body, PathConflict, PedestrianSetup, VehicleSetup, VehicleStart, World};
 
 /// Bodies that only touch are beside each other, m.
 const TOUCHING: f64 = 1e-6;
@@ -91,7 +91,7 @@ pub(super) fn waiting_outside((setup, way): (&PedestrianSetup, &Vector2<f64>)) -
 
 /// Puts a settled vehicle where its setup wants it at time 0.
 pub(super) fn placed(world: &World, setup: &VehicleSetup, settled: Longitudinal) -> VehicleState {
-    let path = setup.path(&world.road);
+    let path = world.path_of(setup);
     let travelled = match setup.start {
         VehicleStart::Distance(distance) => -distance,
         VehicleStart::TimeToArrival { time, reference, x } => {
@@ -106,6 +106,16 @@ pub(super) fn placed(world: &World, setup: &VehicleSetup, settled: Longitudinal)
         width: setup.width,
         steered: None,
     }
+}
+
+/// Where the ways of two vehicles cross, the first's places first: from where they begin to the finish line.
+pub fn path_conflicts(world: &World, one: usize, other: usize) -> Vec<PathConflict> {
+    let start = beginning(world);
+    let (first, second) = (&start.vehicles[one], &start.vehicles[other]);
+    let (from, to) = (first.motion.travelled, second.motion.travelled);
+    let sizes = ((first.length, first.width), (second.length, second.width));
+    let reach = (world.finish - from.min(to)).max(0.0);
+    first.path.conflicts_with((from, sizes.0), (&second.path, to, sizes.1), reach)
 }
 
 /// Everybody where they begin: vehicles at the speed that they are given, and pedestrians though they may appear later.

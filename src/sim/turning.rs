@@ -40,7 +40,7 @@ fn vehicle_at(path: &Path, place: f64, (length, width): (f64, f64)) -> Footprint
 
 /// The first moment between two at which a gap closes that grows no faster than `fastest` (m/s), s.
 fn closes(gap: impl Fn(f64) -> f64, fastest: f64, (from, to): (f64, f64), least: f64) -> Option<f64> {
-    let (mut before, mut time) = (from, from);
+    let (mut before, mut time) = ((from, f64::INFINITY), from);
     loop {
         let left = gap(time);
         if left <= TOUCHING {
@@ -49,22 +49,59 @@ fn closes(gap: impl Fn(f64) -> f64, fastest: f64, (from, to): (f64, f64), least:
         if time >= to {
             return None;
         }
-        before = time;
+        before = (time, left);
         time = (time + (left / fastest).max(least)).min(to);
     }
 }
 
-/// Where a gap closes that is open at one moment and closed at another.
-fn moment(gap: impl Fn(f64) -> f64, mut open: f64, mut closed: f64) -> f64 {
-    while closed - open > 1e-12 * (1.0 + closed) {
+/// Where a gap closes that is open by so much at one moment and closed at another: found by halves, of which most are answered by
+/// what [`narrowed`] looked at.
+fn moment(gap: impl Fn(f64) -> f64, (mut open, left): (f64, f64), mut closed: f64) -> f64 {
+    let known = narrowed(&gap, (open, left), closed);
+    while closed - open > closeness(closed) {
         let middle = (open + closed) / 2.0;
-        if gap(middle) <= TOUCHING {
+        if middle >= known.1 || (middle > known.0 && gap(middle) <= TOUCHING) {
             closed = middle;
         } else {
             open = middle;
         }
     }
     closed
+}
+
+/// A moment is found to this, s.
+fn closeness(moment: f64) -> f64 {
+    1e-12 * (1.0 + moment)
+}
+
+/// Looks of [`narrowed`], at most.
+const LOOKS: usize = 12;
+
+/// An open moment and a closed one, as near to each other as a few secants bring them.
+fn narrowed(gap: impl Fn(f64) -> f64, (open, left): (f64, f64), closed: f64) -> (f64, f64) {
+    let near = closeness(closed);
+    let (mut older, mut open, mut closed) = ((open, left), (open, left), closed);
+    let mut at = open.0 + (closed - open.0) / 16.0;
+    for _ in 0..LOOKS {
+        let left = gap(at);
+        if left <= TOUCHING {
+            closed = at;
+        } else {
+            (older, open) = (open, (at, left));
+        }
+        let way = (open.1 - TOUCHING) * (open.0 - older.0) / (older.1 - open.1);
+        // A little before or behind where the line through both meets zero, so that each look moves one of the two ends.
+        let aside = near.max(way / 1024.0);
+        let aimed = open.0 + way;
+        at = if aimed + aside < closed { aimed + aside } else { aimed - aside };
+        if closed - open.0 <= 2.0 * near {
+            break;
+        }
+        if !(at > open.0 && at < closed) {
+            at = (open.0 + closed) / 2.0;
+        }
+    }
+    (open.0, closed)
 }
 
 /// The time (s) after which two touch first who move on from now, vehicles along their paths at the speed that they have;
@@ -84,6 +121,14 @@ pub fn contact_with(vehicle: &VehicleState, pedestrian: &PedestrianState) -> Opt
     match vehicle.keeps_straight() {
         true => first_contact(vehicle, pedestrian, pedestrian.velocity - vehicle.velocity()),
         false => Moving::vehicle(vehicle).meets(&Moving::Person(pedestrian)),
+    }
+}
+
+/// The same of two vehicles.
+pub fn vehicles_meet(one: &VehicleState, other: &VehicleState) -> Option<f64> {
+    match one.keeps_straight() && other.keeps_straight() {
+        true => Footprint::from(one).first_contact(&other.into(), other.velocity() - one.velocity()),
+        false => Moving::vehicle(one).meets(&Moving::vehicle(other)),
     }
 }
 

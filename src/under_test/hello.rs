@@ -4,6 +4,7 @@ use serde::Deserialize;
 use serde_json::{Value as Json, json};
 
 use super::start::{StartError, StartProblem};
+use super::wire::MoreTables;
 use scenario::{Declaration, DeclaredProgram, Dimension, Parameter, ParameterKind};
 
 /// Of the protocol that is spoken.
@@ -25,8 +26,8 @@ pub struct Hello {
     pub runs_at_once: usize,
     /// Words for what it is up to, by their index.
     pub modes: Vec<String>,
-    /// Whether frames tell it how lanes run: those who do not ask for that have never heard of it.
-    pub reads_lanes: bool,
+    /// What frames tell it because it asks for that.
+    pub tables: MoreTables,
     pub(super) parameters: Option<Vec<Said>>,
     pub(super) gives: Option<Vec<String>>,
 }
@@ -105,6 +106,8 @@ pub fn own_hello(program: &DeclaredProgram) -> Json {
             "vehicles": super::wire::VEHICLES,
             "lanes": super::wire::LANES,
             "curvature_ahead": super::wire::CURVATURE_AHEAD,
+            "kinds": super::wire::KINDS,
+            "crossings": super::wire::CROSSINGS,
         },
     }})
 }
@@ -134,7 +137,7 @@ pub fn read(line: &str) -> Result<Hello, String> {
         encoding,
         runs_at_once: runs_at_once as usize,
         modes: hello.modes.unwrap_or_default(),
-        reads_lanes: hello.tables.iter().flatten().any(|table| table == "lanes"),
+        tables: MoreTables::named(&hello.tables.unwrap_or_default()),
         parameters: hello.parameters,
         gives: hello.gives,
     })

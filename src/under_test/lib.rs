@@ -47,5 +47,5 @@ pub use process::{Failed, Process};
 pub use scenario::{FaultKind, ProgramFault};
 pub use start::{StartError, StartProblem};
 pub use supervise::supervise_if_asked;
-pub use wire::{Answered, Decision, DueDecision, Opened};
+pub use wire::{Answered, Decision, DueDecision, MoreTables, Opened};
 pub use wire_record::{WireRecord, WireRecordError, read_conversations};

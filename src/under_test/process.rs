@@ -20,7 +20,7 @@ use super::parent::Parent;
 use super::quote::{log_line, quoted};
 use super::start::{StartError, StartProblem};
 use super::watchdog::Watchdog;
-use super::wire::{self, Answered, DueDecision, Opened, Reply};
+use super::wire::{self, Answered, DueDecision, MoreTables, Opened, Reply};
 use scenario::{DeclaredProgram, FaultKind, ProgramFault, ProgramKind};
 use sim::Mode;
 
@@ -123,7 +123,7 @@ impl Process {
             encoding,
             runs_at_once: 1,
             modes: Vec::new(),
-            reads_lanes: false,
+            tables: MoreTables::default(),
             parameters: None,
             gives: None,
         };
@@ -319,7 +319,7 @@ impl Process {
         let limit = Duration::from_secs_f64(self.program.answers_within * asked.len() as f64);
         match self.hello.encoding {
             Encoding::Json => self.say(&wire::step(asked)),
-            Encoding::F64 => wire::step_frame(asked, self.hello.reads_lanes, &mut self.request),
+            Encoding::F64 => wire::step_frame(asked, self.hello.tables, &mut self.request),
         }
         self.exchange(limit, asked.len())?;
         let gives = self.program.gives;

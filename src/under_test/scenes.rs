@@ -182,7 +182,7 @@ impl Sketch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::wire::{self, DueDecision};
+    use crate::wire::{self, DueDecision, MoreTables};
     use scenario::RoadUserKind;
     use std::collections::BTreeSet;
 
@@ -217,8 +217,8 @@ mod tests {
                 let read = DueDecision { slot: 3, is_new, seen: &seen, period: 0.1, signal };
                 assert_eq!(wire::scene(&read), written);
                 let (mut rows, mut again) = (Vec::new(), Vec::new());
-                wire::step_frame(&[due], true, &mut rows);
-                wire::step_frame(&[read], true, &mut again);
+                wire::step_frame(&[due], MoreTables::ALL, &mut rows);
+                wire::step_frame(&[read], MoreTables::ALL, &mut again);
                 assert_eq!(rows, again);
             }
         }
@@ -232,8 +232,8 @@ mod tests {
         let bends = scenes.iter().find(|one| !one.turns[0].seen.road.curvature_ahead.is_empty()).unwrap();
         let (mut rows, mut fewer) = (Vec::new(), Vec::new());
         let due = bends.due(0, 0, 0.1);
-        wire::step_frame(&[due, due], true, &mut rows);
-        wire::step_frame(&[due, due], false, &mut fewer);
+        wire::step_frame(&[due, due], MoreTables::named(&["lanes".into()]), &mut rows);
+        wire::step_frame(&[due, due], MoreTables::default(), &mut fewer);
         assert_eq!((rows[20], fewer[20]), (8, 0));
         let (lanes, changes) = (2 * wire::LANES.len(), 8 * wire::CURVATURE_AHEAD.len());
         assert_eq!(rows.len(), fewer.len() + 8 * (lanes + changes));
@@ -255,6 +255,47 @@ mod tests {
         assert!(written["ego"].get("curvature").is_none());
         written["ego"].as_object_mut().unwrap().remove("travelled");
         assert_eq!(&wire::read_scene(&written).unwrap().0, plain.seen);
+    }
+
+    /// The same of who rides and of crossings, of which a frame has all and JSON those that its other fields do not tell.
+    #[test]
+    fn who_rides_and_every_crossing_is_told_to_those_who_read_it() {
+        let asked = |named: &[&str], seen: &Observation| {
+            let named: Vec<String> = named.iter().map(ToString::to_string).collect();
+            let due = DueDecision { slot: 3, is_new: false, seen, period: 0.1, signal: None };
+            let mut rows = Vec::new();
+            wire::step_frame(&[due], MoreTables::named(&named), &mut rows);
+            let at = |place: usize| f64::from_le_bytes(rows[place..place + 8].try_into().unwrap());
+            (
+                rows.len(),
+                rows[24],
+                (36..rows.len()).step_by(8).map(|place| at(place - 4)).collect::<Vec<f64>>(),
+            )
+        };
+        let turns = scenes("own", &json!({}), 0.1, 0.025).into_iter().flat_map(|scene| scene.turns);
+        let mut seen = turns.map(|turn| turn.seen).find(|seen| !seen.pedestrians.is_empty()).unwrap();
+        seen.vehicles.clear();
+        seen.road.crossings = [(-4.5, true), (20.0, false)]
+            .map(|(distance, pedestrian_priority)| CrossingView {
+                distance,
+                width: 3.0,
+                pedestrian_priority,
+                right_edge: -2.0,
+                left_edge: 1.5,
+            })
+            .to_vec();
+        let (plain, _, rows) = asked(&["later"], &seen);
+        assert_eq!((plain, rows.len()), (32 + 8 * rows.len(), 16 + 10 * seen.pedestrians.len()));
+        for (kind, number) in RoadUserKind::ALL.into_iter().zip([1.0, 2.0, 3.0]) {
+            seen.pedestrians[0].kind = kind;
+            let (length, crossings, told) = asked(&["kinds"], &seen);
+            assert_eq!((length, crossings), (plain + 8 * seen.pedestrians.len(), 0));
+            assert_eq!(told[16 + 10], number, "{kind:?}");
+        }
+        let (length, crossings, told) = asked(&["crossings"], &seen);
+        assert_eq!((length, crossings), (plain + 2 * 8 * 6, 2));
+        assert_eq!(told[rows.len()..][..6], [0.0, -4.5, 3.0, 1.0, -2.0, 1.5]);
+        assert_eq!(told[rows.len() + 6..], [0.0, 20.0, 3.0, 0.0, -2.0, 1.5]);
     }
 
     /// Nobody who walks says so, so that programs of before see what they saw.

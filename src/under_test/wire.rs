@@ -43,11 +43,40 @@ pub const LANES: [&str; 7] =
 /// Columns of the rows of pedestrians.
 pub const PEDESTRIANS: [&str; 10] = ["row", "id", "x", "y", "vx", "vy", "ax", "ay", "length", "width"];
 
+/// Columns behind [`PEDESTRIANS`], for programs that ask for what people ride.
+pub const KINDS: [&str; 1] = ["kind"];
+
 /// Columns of the rows of vehicles.
 pub const VEHICLES: [&str; 8] = ["row", "id", "x", "y", "vx", "vy", "length", "width"];
 
-/// Columns of the rows that tell the same programs how lanes bend ahead.
+/// Columns of the rows that tell programs that ask for lanes how these bend ahead.
 pub const CURVATURE_AHEAD: [&str; 3] = ["row", "distance", "curvature"];
+
+/// Columns of the rows of crossings, for programs that ask for them.
+pub const CROSSINGS: [&str; 6] =
+    ["row", "distance", "width", "pedestrian_priority", "right_edge", "left_edge"];
+
+/// What a program asks to be told in frames beside what all are told: those who do not ask have never heard of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct MoreTables {
+    /// How lanes run.
+    pub lanes: bool,
+    /// What people ride.
+    pub kinds: bool,
+    /// Every crossing, in the order in which the vehicle comes to them.
+    pub crossings: bool,
+}
+
+impl MoreTables {
+    /// All that there are.
+    pub const ALL: Self = Self { lanes: true, kinds: true, crossings: true };
+
+    /// Of the names in a hello; others are of runners to come.
+    pub fn named(names: &[String]) -> Self {
+        let is_named = |name: &str| names.iter().any(|one| one == name);
+        Self { lanes: is_named("lanes"), kinds: is_named("kinds"), crossings: is_named("crossings") }
+    }
+}
 
 /// More than a line or frame of a program's answer may have, bytes.
 pub const LONGEST: usize = 1 << 20;
@@ -106,7 +135,7 @@ pub fn open(runs: &[Opened]) -> Json {
 /// One of them.
 pub fn opened(run: &Opened) -> Json {
     let Opened { slot, seed, setup, world } = run;
-    let (road, path) = (&world.road, world.road.path(setup.lane));
+    let (road, path) = (world.road_of(setup), world.path_of(setup));
     let declared = setup.controller.model.declaration();
     let whole = |name: &str| {
         declared
@@ -120,12 +149,18 @@ pub fn opened(run: &Opened) -> Json {
             json!({"y": y, "direction": if road.lanes[lane].direction == own { 1 } else { -1 }})
         })
         .collect();
-    let boxes: Vec<Json> = road
+    let boxes: Vec<Json> = world
+        .road
         .boxes
         .iter()
         .map(|body| {
             let place = path.from_world([body.x, body.y].into());
-            json!({"x": place.x, "y": place.y, "length": body.length, "width": body.width})
+            let mut found = json!({"x": place.x, "y": place.y, "length": body.length, "width": body.width});
+            if setup.road > 0 {
+                let along = path.turned(place.x, body.along());
+                found["heading"] = json!(libm::atan2(along.y, along.x));
+            }
+            found
         })
         .collect();
     let kind = |crossing: &Crossing| match crossing.kind {
@@ -350,20 +385,22 @@ fn words(numbers: &[u32], into: &mut Vec<u8>) {
     numbers.iter().for_each(|number| into.extend_from_slice(&number.to_le_bytes()));
 }
 
-/// Decisions to be taken, as a frame of rows; with how lanes run for those who ask for that.
-pub fn step_frame(asked: &[DueDecision], with_lanes: bool, into: &mut Vec<u8>) {
+/// Decisions to be taken, as a frame of rows; with more for those who ask for that.
+pub fn step_frame(asked: &[DueDecision], more: MoreTables, into: &mut Vec<u8>) {
     let pedestrians: usize = asked.iter().map(|one| one.seen.pedestrians.len()).sum();
     let vehicles: usize = asked.iter().map(|one| one.seen.vehicles.len()).sum();
-    let bends = |one: &DueDecision| if with_lanes { one.seen.road.curvature_ahead.len() } else { 0 };
+    let bends = |one: &DueDecision| if more.lanes { one.seen.road.curvature_ahead.len() } else { 0 };
+    let places = |one: &DueDecision| if more.crossings { one.seen.road.crossings.len() } else { 0 };
     let changes: usize = asked.iter().map(bends).sum();
-    let columns = RUNS.len() + if with_lanes { LANES.len() } else { 0 };
-    let doubles = asked.len() * columns
-        + pedestrians * PEDESTRIANS.len()
+    let crossings: usize = asked.iter().map(places).sum();
+    let doubles = asked.len() * (RUNS.len() + if more.lanes { LANES.len() } else { 0 })
+        + pedestrians * (PEDESTRIANS.len() + if more.kinds { KINDS.len() } else { 0 })
         + vehicles * VEHICLES.len()
-        + changes * CURVATURE_AHEAD.len();
+        + changes * CURVATURE_AHEAD.len()
+        + crossings * CROSSINGS.len();
     into.clear();
-    let counts = [asked.len(), pedestrians, vehicles, changes].map(|count| count as u32);
-    words(&[28 + 8 * doubles as u32, 1, counts[0], counts[1], counts[2], counts[3], 0, 0], into);
+    let counts = [asked.len(), pedestrians, vehicles, changes, crossings].map(|count| count as u32);
+    words(&[28 + 8 * doubles as u32, 1, counts[0], counts[1], counts[2], counts[3], counts[4], 0], into);
     let mut row =
         |values: &[f64]| values.iter().for_each(|value| into.extend_from_slice(&value.to_le_bytes()));
     for DueDecision { slot, is_new, seen, signal, period: _ } in asked {
@@ -386,7 +423,7 @@ pub fn step_frame(asked: &[DueDecision], with_lanes: bool, into: &mut Vec<u8>) {
             road.right_kerb,
             road.left_kerb,
         ]);
-        if with_lanes {
+        if more.lanes {
             let of_signal = |number: fn(SeenSignal) -> f64| road.signal.map_or(f64::NAN, number);
             row(&[
                 ego.travelled,
@@ -415,6 +452,9 @@ pub fn step_frame(asked: &[DueDecision], with_lanes: bool, into: &mut Vec<u8>) {
                 length,
                 width,
             ]);
+            if more.kinds {
+                row(&[kind_number(seen.kind)]);
+            }
         }
     }
     for (index, one) in asked.iter().enumerate() {
@@ -427,6 +467,21 @@ pub fn step_frame(asked: &[DueDecision], with_lanes: bool, into: &mut Vec<u8>) {
         for (distance, curvature) in &one.seen.road.curvature_ahead[..bends(one)] {
             row(&[index as f64, *distance, *curvature]);
         }
+    }
+    for (index, one) in asked.iter().enumerate() {
+        for seen in &one.seen.road.crossings[..places(one)] {
+            let priority = f64::from(seen.pedestrian_priority);
+            row(&[index as f64, seen.distance, seen.width, priority, seen.right_edge, seen.left_edge]);
+        }
+    }
+}
+
+/// What rows of doubles have for what somebody rides.
+fn kind_number(kind: RoadUserKind) -> f64 {
+    match kind {
+        RoadUserKind::Pedestrian => 1.0,
+        RoadUserKind::Cyclist => 2.0,
+        RoadUserKind::Escooter => 3.0,
     }
 }
 

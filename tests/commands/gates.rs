@@ -308,3 +308,40 @@ fn a_changed_population_is_refused_under_another_seed_too() {
         );
     }
 }
+
+/// Before anybody relies on a gate it says what it sees; a primary rule sees more than one among many, and too few runs nothing.
+#[test]
+fn what_a_gate_will_see_is_said_when_its_baseline_is_saved() {
+    let gate = |rule: &str| {
+        let rules = format!("no metric worse by more than 5 %\n    {rule}");
+        format!("  gate careful {{\n    baseline \"late.json\"\n    {rules}\n  }}\n")
+    };
+    let said = |rule: &str, repeat: &str| {
+        let suite = suite("", &gate(rule)).replace("repeat 20", repeat);
+        let folder = folder(&suite, &suite);
+        let output = scenario_runner(folder.path(), &["baseline", "save", "before.suite"]);
+        assert_eq!(code(&output), 0, "{}", stderr(&output));
+        stdout(&output)
+    };
+    let rise = |said: &str, rule: &str| -> f64 {
+        let line = said.lines().find(|line| line.contains("a rise of collision") && line.contains(rule));
+        let line = line.unwrap_or_else(|| panic!("{rule}: {said}"));
+        let (_, after) = line.split_once(" to about ").unwrap();
+        after.split_once(" % is seen in 80 % of cases").unwrap().0.parse().unwrap()
+    };
+    let (plain, primary) =
+        (said("collision not worse", "repeat 20"), said("primary collision not worse", "repeat 20"));
+    let (among, alone) =
+        (rise(&plain, "`collision not worse`"), rise(&primary, "`primary collision not worse`"));
+    assert!(alone < 0.8 * among && among < 25.0, "{alone} %, {among} %");
+    // One of 100 is enough on the same seeds: 1 - 0.2^(1/100).
+    let new = rise(&plain, "`no new collision, where the baseline has none`");
+    assert!((new - 1.6).abs() < 0.01, "{new}");
+    let few = said("collision not worse", "repeat 1");
+    assert!(few.contains("walker: with these 5 runs no change of collision is seen; it takes "), "{few}");
+    assert!(few.contains(" quantities is seen; it takes "), "{few}");
+    // Without gates nothing is said.
+    let folder = folder(&suite("", ""), &suite("", ""));
+    let output = scenario_runner(folder.path(), &["baseline", "save", "before.suite", "--out", "b.json"]);
+    assert_eq!(stdout(&output).lines().count(), 1);
+}

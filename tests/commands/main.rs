@@ -3,6 +3,7 @@
 mod bugs;
 mod cli;
 mod contacts;
+mod drawn;
 #[cfg(unix)]
 mod files;
 mod gates;

@@ -90,12 +90,14 @@ fn world(settings: &Settings, time_to_arrival: f64) -> World {
     let dynamics = standard().dynamics().get("delay_lag").unwrap().clone();
     World {
         road: Road::zebra(&[Direction::Forward], CRUISE),
+        other_roads: Vec::new(),
         vehicles: vec![VehicleSetup {
             name: "av".to_string(),
             controller: ModelSetup::resolved(&controller, settings).unwrap(),
             dynamics: ModelSetup::resolved(&dynamics, &Settings::default()).unwrap(),
             length: dynamics.size.0,
             width: dynamics.size.1,
+            road: 0,
             lane: 0,
             speed: CRUISE,
             start: VehicleStart::TimeToArrival {

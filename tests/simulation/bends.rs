@@ -1,13 +1,14 @@
 //! Roads that bend, from their text to what is measured: a path that is straight is a straight road, mirror images are run as mirror images,
 //! whoever is to be hit in a turn is hit there, and what cannot be is an error.
 
+use std::path::Path;
 use std::sync::{Arc, Mutex};
 
 use files::Memory;
 use models::standard;
 use proptest::prelude::*;
 use results::Requests;
-use runner::plan::plan;
+use runner::plan::{Plan, plan};
 use runner::run::{FreeFlows, Unwatched, road_users, run_case};
 use scenario::World;
 use sim::{Command, Controller, ControllerError, Driver, Observation, Schedule, StopReason, simulate};
@@ -398,20 +399,40 @@ fn what_cannot_be_a_road_is_told_with_place_numbers_and_cure() {
     insta::assert_snapshot!(found.join("\n"));
 }
 
-/// What the shipped cells of Euro NCAP's CPTA come to under a controller: where the dummy is hit, and the car's heading (degrees against the road that it
-/// left) when the middle of its front comes to the dummy's near flank.
-#[test]
-fn cars_that_turn_hit_the_dummy_of_euro_ncap_where_each_cell_says() {
-    let path = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/suites/euro_ncap_vru.suite"));
-    let loaded = lang::load(path, &standard(), &files::Disk)
+/// The cells of a shipped suite with a car that keeps its speed.
+fn plan_of_cells(suite: &str, is_wanted: impl Fn(&str) -> bool) -> Plan {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("suites/{suite}.suite"));
+    let loaded = lang::load(&path, &standard(), &files::Disk)
         .unwrap_or_else(|failure| panic!("{:?}", failure.diagnostics));
     let mut suite = loaded.suite;
-    suite.scenarios.retain(|scenario| scenario.name.starts_with("cpta"));
+    suite.scenarios.retain(|scenario| is_wanted(&scenario.name));
     let keeps = standard().controllers().get("constant_speed").unwrap().clone();
     for car in suite.scenarios.iter_mut().flat_map(|scenario| &mut scenario.vehicles) {
         car.controller.first = keeps.clone().into();
     }
-    let plan = plan(&suite).unwrap_or_else(|errors| panic!("{}", errors[0]));
+    plan(&suite).unwrap_or_else(|errors| panic!("{}", errors[0]))
+}
+
+/// However a target is moved beside the cells, it is met at the middle of the front.
+#[test]
+fn cells_that_are_varied_are_hit_in_the_middle() {
+    let plan = plan_of_cells("euro_ncap_robustness", |_| true);
+    let requests = Requests::defaults(&standard());
+    let index = requests.iter().position(|request| request.metric.name() == "impact_point").unwrap();
+    for number in 0..plan.len() {
+        let case = plan.trial(number).cases.first();
+        let outcome = run_case(&case, &requests, &FreeFlows::default(), &mut Unwatched).unwrap();
+        let point = outcome.metrics[index].unwrap_or_else(|| panic!("{} is not hit by the front", case.key));
+        assert!((point - 0.5).abs() < 1e-3, "{}: {point}", case.key);
+    }
+    assert_eq!(plan.len(), 96 + 36 + 24);
+}
+
+/// What the shipped cells of Euro NCAP's CPTA come to under a controller: where the dummy is hit, and the car's heading (degrees against the road that it
+/// left) when the middle of its front comes to the dummy's near flank.
+#[test]
+fn cars_that_turn_hit_the_dummy_of_euro_ncap_where_each_cell_says() {
+    let plan = plan_of_cells("euro_ncap_vru", |scenario| scenario.starts_with("cpta"));
     let requests = Requests::defaults(&standard());
     let index = requests.iter().position(|request| request.metric.name() == "impact_point").unwrap();
     let (mut cells, mut headings) = (0, Vec::new());

@@ -28,12 +28,14 @@ fn encounter(tta: f64, car: &str, agent: &[(&str, Value)], walker: &[(&str, Valu
     let (length, width) = dynamics.size;
     let world = World {
         road: Road::zebra(&[Direction::Forward, Direction::Backward], 30.0 / 3.6),
+        other_roads: Vec::new(),
         vehicles: vec![VehicleSetup {
             name: "av".into(),
             controller: ModelSetup::resolved(&controller, &settings(agent)).unwrap(),
             dynamics: ModelSetup::resolved(&dynamics, &Settings::default()).unwrap(),
             length,
             width,
+            road: 0,
             lane: 0,
             speed: 30.0 / 3.6,
             start: VehicleStart::TimeToArrival { time: tta, reference: VehicleReference::Centre, x: 0.0 },
@@ -65,6 +67,8 @@ fn encounter(tta: f64, car: &str, agent: &[(&str, Value)], walker: &[(&str, Valu
         scenario: "carla".into(),
         variation: Vec::new(),
         individuals: Vec::new(),
+        drawn: Vec::new(),
+        impossible: None,
         repetition: 1,
         seed: 1,
         world: world.into(),

@@ -28,12 +28,14 @@ fn zebra(controller: &str, tta: f64, person: Settings) -> World {
     let walker = standard().pedestrians().get("commotions").unwrap().clone();
     World {
         road: Road::zebra(&[Direction::Forward, Direction::Backward], SPEED),
+        other_roads: Vec::new(),
         vehicles: vec![VehicleSetup {
             name: "av".into(),
             controller: ModelSetup::resolved(&controller_model, &Settings::default()).unwrap(),
             dynamics: ModelSetup::resolved(&ideal, &Settings::default()).unwrap(),
             length: 4.2,
             width: 1.8,
+            road: 0,
             lane: 0,
             speed: SPEED,
             start: VehicleStart::TimeToArrival { time: tta, reference: VehicleReference::Centre, x: 0.0 },

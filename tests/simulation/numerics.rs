@@ -112,12 +112,14 @@ fn encounter(controller: &Arc<ControllerModel>, dynamics: &Arc<DynamicsModel>, d
     let (length, width) = dynamics.size;
     World {
         road: Road::zebra(&[Direction::Forward, Direction::Backward], 30.0 / 3.6),
+        other_roads: Vec::new(),
         vehicles: vec![VehicleSetup {
             name: "av".into(),
             controller: ModelSetup::resolved(controller, &given).unwrap(),
             dynamics: ModelSetup::resolved(dynamics, &Settings::default()).unwrap(),
             length,
             width,
+            road: 0,
             lane: 0,
             speed: 30.0 / 3.6,
             start: VehicleStart::TimeToArrival {
@@ -327,6 +329,8 @@ fn measured(world: &World, seed: u64) -> impl Fn(&str) -> Option<f64> + use<> {
         scenario: "numerics".into(),
         variation: Vec::new(),
         individuals: Vec::new(),
+        drawn: Vec::new(),
+        impossible: None,
         repetition: 1,
         seed,
         world: Arc::new(world.clone()),
@@ -400,6 +404,8 @@ fn a_negative_delay_is_the_time_that_hurrying_saved() {
             scenario: "fast".into(),
             variation: Vec::new(),
             individuals: Vec::new(),
+            drawn: Vec::new(),
+            impossible: None,
             repetition: 1,
             seed,
             world: Arc::new(world),

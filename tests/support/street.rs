@@ -18,6 +18,7 @@ use sim::{
 pub fn street(speed: f64, vehicles: Vec<VehicleSetup>, pedestrians: Vec<PedestrianSetup>) -> World {
     World {
         road: Road::zebra(&[Direction::Forward, Direction::Forward], speed),
+        other_roads: Vec::new(),
         vehicles,
         pedestrians,
         step: 0.025,
@@ -35,6 +36,7 @@ pub fn car(name: &str, lane: usize, speed: f64, start: VehicleStart) -> VehicleS
         dynamics: dynamics_of("constant_speed"),
         length: 4.2,
         width: 1.8,
+        road: 0,
         lane,
         speed,
         start,

@@ -106,12 +106,14 @@ impl Zebra {
     fn world(&self) -> World {
         World {
             road: Road::zebra(&[Direction::Forward, Direction::Backward], SPEED),
+            other_roads: Vec::new(),
             vehicles: vec![VehicleSetup {
                 name: "av".into(),
                 controller: none("test"),
                 dynamics: none("ideal"),
                 length: 4.9,
                 width: 2.1,
+                road: 0,
                 lane: 0,
                 speed: SPEED,
                 start: VehicleStart::TimeToArrival {

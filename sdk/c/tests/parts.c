@@ -21,7 +21,11 @@ static const char *step(int slot, const sr_seen *seen, double *answer, double *m
     if (slot == 2) assert(seen->change[0].distance == 20 && seen->change[1].distance == 45 && seen->change[1].curvature == 0.02);
     if (slot == 1) assert(seen->change[0].distance == 10 && seen->change[0].curvature == -0.5);
     if (slot == 1) assert(seen->pedestrian[1].id == 8 && seen->pedestrian[1].x == 1.5 && seen->pedestrian[1].width == 0.5);
-    if (slot == 2) assert(seen->vehicle[0].x == 30 && isnan(seen->vehicle[0].ax));
+    if (slot == 1) assert(seen->pedestrian[0].kind == SR_CYCLIST && seen->pedestrian[1].kind == SR_PEDESTRIAN);
+    if (slot == 2) assert(seen->vehicle[0].x == 30 && isnan(seen->vehicle[0].ax) && seen->vehicle[0].kind == SR_VEHICLE);
+    assert(seen->crossings == (slot == 0 ? 2 : slot == 1));
+    if (slot == 0) assert(seen->crossing[1].distance == 40 && seen->crossing[1].left_edge == 2 && isnan(seen->crossing[1].width));
+    if (slot == 1) assert(seen->crossing[0].distance == 12.5 && seen->crossing[0].pedestrian_priority == 1);
     *answer = ++steps[slot];
     *mode = 0;
     return slot == 2 && steps[2] == 1 ? "lane\nis \\" : NULL;
@@ -34,9 +38,10 @@ static void text(FILE *to, const char *said) {
 
 /* Runs 0, 1 and 2 with columns that are turned around, one of which nobody knows. */
 static void scenes(FILE *to, double time, int first_is_new) {
-    uint32_t head[8] = {28 + 8 * (3 * 7 + 2 * 4 + 3 + 3 * 3), 1, 3, 2, 1, 3, 0, 0};
+    uint32_t head[8] = {28 + 8 * (3 * 7 + 2 * 5 + 3 + 3 * 3 + 3 * 4), 1, 3, 2, 1, 3, 3, 0};
     double rows[] = {77, 1, 5, time, first_is_new, 0, 0.25, 77, 1, 6, time, 0, 1, 0.25, 77, 1, 7, time, 0, 2, 0.25,
-                     1, 0.5, 7, 3.5, 1, 0.5, 8, 1.5, 2, 9, 30, 1, -0.5, 10, 2, 0.01, 20, 2, 0.02, 45};
+                     1, 0.5, 7, 3.5, 2, 1, 0.5, 8, 1.5, 1, 2, 9, 30, 1, -0.5, 10, 2, 0.01, 20, 2, 0.02, 45,
+                     0, 1, 2, 15, 0, 0, 2, 40, 1, 1, 2, 12.5};
     fwrite(head, 4, 8, to), fwrite(rows, 8, sizeof rows / 8, to);
 }
 
@@ -68,7 +73,8 @@ int main(void) {
     char name[] = "parts", at_once[] = "--runs-at-once=4", *arguments[] = {name, at_once, NULL}, said[512];
     assert(requests && answers);
     fputs("{\"hello\":{\"columns\":{\"pedestrians\":[\"row\",\"width\",\"id\",\"x\"],\"vehicles\":[\"row\",\"id\",\"x\"],"
-          "\"curvature_ahead\":[\"row\",\"curvature\",\"distance\"],"
+          "\"curvature_ahead\":[\"row\",\"curvature\",\"distance\"],\"kinds\":[\"kind\"],"
+          "\"crossings\":[\"row\",\"pedestrian_priority\",\"left_edge\",\"distance\"],"
           "\"runs\":[\"later\",\"signal\",\"speed\",\"time\",\"new\",\"slot\"],\"lanes\":[\"curvature\"]},\"protocol\":1}}\n", requests);
     char opened[2048] = "{\"open\":[";
     for (int slot = 0; slot < 4; slot++)

@@ -4,17 +4,20 @@ import io
 import json
 import struct
 
-from scenario_runner_av._seen import CURVATURE_COLUMNS, PEDESTRIAN_COLUMNS, RUN_COLUMNS, VEHICLE_COLUMNS
+from scenario_runner_av._seen import CROSSING_COLUMNS, CURVATURE_COLUMNS, PEDESTRIAN_COLUMNS, RUN_COLUMNS, VEHICLE_COLUMNS
 from scenario_runner_av._serve import converse
 
 COLUMNS = {
     "runs": list(RUN_COLUMNS[:16]),
     "lanes": list(RUN_COLUMNS[16:]),
-    "pedestrians": list(PEDESTRIAN_COLUMNS),
+    "pedestrians": list(PEDESTRIAN_COLUMNS[:-1]),
+    "kinds": list(PEDESTRIAN_COLUMNS[-1:]),
     "vehicles": list(VEHICLE_COLUMNS),
     "curvature_ahead": list(CURVATURE_COLUMNS),
+    "crossings": list(CROSSING_COLUMNS),
 }
 NAN = float("nan")
+KINDS = {None: 1.0, "cyclist": 2.0, "escooter": 3.0}
 
 
 def run(slot, **parameters):
@@ -79,14 +82,29 @@ def frame(request, columns):
     if "step" not in request:
         text = json.dumps(request).encode()
         return struct.pack("<2I", len(text) + 4, 0) + text
-    scenes, rows, tables = request["step"], b"", [table for table in COLUMNS if table in columns and table != "lanes"]
-    columns = {**columns, "runs": columns["runs"] + columns.get("lanes", [])}
+    scenes, rows = request["step"], b""
+    columns = {
+        **columns,
+        "runs": columns["runs"] + columns.get("lanes", []),
+        "pedestrians": columns["pedestrians"] + columns.get("kinds", []),
+    }
     counts = [0] * 6
-    for index, table in enumerate(tables):
+    for index, table in enumerate(("runs", "pedestrians", "vehicles", "curvature_ahead", "crossings")):
+        if table not in columns:
+            continue
         for row, one in enumerate(scenes):
-            bends = [{"distance": at, "curvature": bend} for at, bend in one["road"].get("curvature_ahead", ())]
             run_ = {"curvature": 0.0, "lateral_offset": 0.0, "heading_error": 0.0, **one["ego"], **one["road"], **one}
-            for of in [run_] if index == 0 else bends if table == "curvature_ahead" else one[table]:
+            only = {"distance": run_["distance_to_crossing"], "width": run_["crossing_width"],
+                    "pedestrian_priority": run_["pedestrian_priority"],
+                    "right_edge": run_["right_kerb"], "left_edge": run_["left_kerb"]}
+            told = {
+                "runs": [run_],
+                "pedestrians": [{**who, "kind": KINDS[who.get("kind")]} for who in one["pedestrians"]],
+                "vehicles": one["vehicles"],
+                "curvature_ahead": [{"distance": at, "curvature": bend} for at, bend in one["road"].get("curvature_ahead", ())],
+                "crossings": one["road"].get("crossings", [only]),
+            }
+            for of in told[table]:
                 values = [float({"row": row, **of}.get(name, NAN)) for name in columns[table]]
                 rows += struct.pack(f"<{len(values)}d", *values)
                 counts[index] += 1

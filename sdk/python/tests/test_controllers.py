@@ -6,7 +6,7 @@ import math
 import unittest
 
 from conversation import COLUMNS, run, scene, talk
-from scenario_runner_av import Controller, VectorController, parameter
+from scenario_runner_av import ESCOOTER, PEDESTRIAN, Controller, VectorController, parameter
 
 
 class Brake(Controller):
@@ -82,19 +82,42 @@ class Conversation(unittest.TestCase):
 
         bent = {"step": [scene(0), scene(1, bends=[(20.0, 0.0), (45.0, 0.02)])]}
         opening = {"open": [run(0), run(1)]}
-        older = {table: names for table, names in COLUMNS.items() if table not in ("lanes", "curvature_ahead")}
+        older = {table: names for table, names in COLUMNS.items() if table not in ("lanes", "curvature_ahead", "kinds", "crossings")}
         for encoding, columns in (("f64", COLUMNS), ("json", COLUMNS), ("f64", older)):
             seen.clear()
             hello, _ = talk(Looks, [opening, bent], encoding, 2, columns)
-            self.assertEqual(hello["tables"], ["lanes"])
+            self.assertEqual(hello["tables"], ["lanes", "kinds", "crossings"])
             plain, one = seen
             if columns is older:
                 self.assertTrue(all(math.isnan(value) for value in (plain.travelled, plain.curvature, plain.gradient)))
-                self.assertEqual((plain.vehicles[0].x, one.curvature_ahead), (9.0, []))
+                self.assertEqual((plain.vehicles[0].x, one.curvature_ahead, one.crossings), (9.0, [], []))
                 continue
             self.assertEqual((plain.travelled, plain.curvature, plain.gradient != plain.gradient), (-30.0, 0.0, True))
             self.assertEqual((plain.curvature_ahead, one.curvature), ([], 0.25))
             self.assertEqual([tuple(change) for change in one.curvature_ahead], [(1, 20.0, 0.0), (1, 45.0, 0.02)], encoding)
+
+    def test_who_rides_and_every_crossing_is_told(self):
+        seen = []
+
+        class Looks(Controller):
+            def step(self, scene):
+                seen.append(scene)
+                return 0
+
+        plain, several = scene(0, people=[(5.0, 1.0)]), scene(1, people=[(5.0, 1.0), (9.0, 0.0)])
+        several["pedestrians"][1]["kind"] = "escooter"
+        near = {"distance": -4.0, "width": 3.0, "pedestrian_priority": True, "right_edge": -2.0, "left_edge": 1.5}
+        several["road"]["crossings"] = [near, {**near, "distance": 20.0, "pedestrian_priority": False}]
+        older = {table: names for table, names in COLUMNS.items() if table not in ("kinds", "crossings")}
+        for encoding, columns in (("f64", COLUMNS), ("json", COLUMNS), ("f64", older)):
+            seen.clear()
+            talk(Looks, [{"open": [run(0), run(1)]}, {"step": [plain, several]}], encoding, 2, columns)
+            one, two = seen
+            known = columns is COLUMNS
+            self.assertEqual([who.kind for who in one.pedestrians + two.pedestrians], [PEDESTRIAN, PEDESTRIAN, ESCOOTER if known else PEDESTRIAN])
+            told = [tuple(crossing) for crossing in one.crossings + two.crossings]
+            wanted = [(0, 30.0, 4.0, True, -2.0, 2.0), (1, -4.0, 3.0, True, -2.0, 1.5), (1, 20.0, 3.0, False, -2.0, 1.5)]
+            self.assertEqual(told, wanted if known else [], encoding)
 
     def test_a_curvature_is_an_answer_where_the_runner_takes_one(self):
         class Steers(Controller):

@@ -52,7 +52,7 @@ impl<C: Controller> Conversation<C> {
     /// Begins with the runner's hello; what is answered to that as well.
     pub fn begin(about: &About, greeting: &Value) -> (Self, Value) {
         let hello = json!({"hello": {
-            "protocol": PROTOCOL, "name": about.name, "version": about.version, "encoding": "f64", "tables": ["lanes"],
+            "protocol": PROTOCOL, "name": about.name, "version": about.version, "encoding": "f64", "tables": ["lanes", "kinds", "crossings"],
             "runs_at_once": about.runs_at_once, "gives": [about.gives], "modes": about.modes, "parameters": about.parameters,
         }});
         let slots = (0..about.runs_at_once).map(|_| None).collect();

@@ -272,6 +272,9 @@ pub struct Seen {
     /// How the lane bends within 150 m: distances ahead and the curvature there, ascending. From `curvature` on it changes evenly from
     /// each to the next, and not at all behind the last; two at one distance are a jump.
     pub curvature_ahead: Vec<(f64, f64)>,
+    /// Every crossing of the road, in the order in which the vehicle comes to them; the fields above are of the first of them that it has
+    /// not left behind. Empty where the runner is older than this.
+    pub crossings: Vec<SeenCrossing>,
     pub pedestrians: Vec<Other>,
     /// Without accelerations.
     pub vehicles: Vec<Other>,
@@ -290,6 +293,31 @@ pub struct Other {
     pub ay: f64,
     pub length: f64,
     pub width: f64,
+    /// Who rides is among the pedestrians.
+    pub kind: Kind,
+}
+
+/// What somebody is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs)]
+pub enum Kind {
+    Pedestrian,
+    Cyclist,
+    Escooter,
+    Vehicle,
+}
+
+/// A crossing, seen from the vehicle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[allow(missing_docs)]
+pub struct SeenCrossing {
+    /// From the vehicle's centre to its middle; negative behind it.
+    pub distance: f64,
+    pub width: f64,
+    pub pedestrian_priority: bool,
+    /// y of where people may wait, beyond a kerb or on a refuge.
+    pub right_edge: f64,
+    pub left_edge: f64,
 }
 
 /// What a vehicle is to do.

@@ -4,7 +4,7 @@ use std::io::{self, ErrorKind, Read};
 
 use serde_json::Value;
 
-use crate::{About, Answer, Command, Gives, Other, Seen, PLAN_POINTS};
+use crate::{About, Answer, Command, Gives, Kind, Other, Seen, SeenCrossing, PLAN_POINTS};
 
 const RUNS: [&str; 23] = [
     "slot",
@@ -32,7 +32,8 @@ const RUNS: [&str; 23] = [
     "heading_error",
 ];
 const CURVATURE_AHEAD: [&str; 3] = ["row", "distance", "curvature"];
-const OTHERS: [&str; 10] = ["row", "id", "x", "y", "vx", "vy", "ax", "ay", "length", "width"];
+const OTHERS: [&str; 11] = ["row", "id", "x", "y", "vx", "vy", "ax", "ay", "length", "width", "kind"];
+const CROSSINGS: [&str; 6] = ["row", "distance", "width", "pedestrian_priority", "right_edge", "left_edge"];
 
 /// The next frame without its length; whether there is one.
 pub fn read(from: &mut impl Read, frame: &mut Vec<u8>) -> io::Result<bool> {
@@ -113,6 +114,8 @@ pub struct Tables {
     vehicles: Table,
     /// Of no width where the runner does not know it.
     curvature_ahead: Table,
+    /// The same.
+    crossings: Table,
     /// Whether the runner takes a curvature.
     pub steers: bool,
 }
@@ -142,23 +145,26 @@ impl Table {
 
 impl Tables {
     pub fn of(columns: &Value) -> Self {
-        // Those of lanes, which are asked for, go on behind.
-        let both = ["runs", "lanes"].map(|table| columns[table].as_array().cloned().unwrap_or_default());
-        let steers = both[1].iter().any(|name| name == "lateral_offset");
-        let runs = Value::Array(both.concat());
+        // What is asked for goes on behind.
+        let both = |tables: [&str; 2]| {
+            let all = tables.map(|table| columns[table].as_array().cloned().unwrap_or_default());
+            Value::Array(all.concat())
+        };
+        let steers = columns["lanes"].as_array().into_iter().flatten().any(|name| name == "lateral_offset");
         Self {
-            runs: Table::of(&runs, &RUNS),
-            pedestrians: Table::of(&columns["pedestrians"], &OTHERS),
+            runs: Table::of(&both(["runs", "lanes"]), &RUNS),
+            pedestrians: Table::of(&both(["pedestrians", "kinds"]), &OTHERS),
             vehicles: Table::of(&columns["vehicles"], &OTHERS),
             curvature_ahead: Table::of(&columns["curvature_ahead"], &CURVATURE_AHEAD),
+            crossings: Table::of(&columns["crossings"], &CROSSINGS),
             steers,
         }
     }
 
     /// The scenes of a frame of runs.
     pub fn scenes(&self, frame: &[u8]) -> io::Result<Vec<Seen>> {
-        let counts = [1, 2, 3, 4].map(|index| word(frame, index) as usize);
-        let sizes = [&self.runs, &self.pedestrians, &self.vehicles, &self.curvature_ahead];
+        let counts = [1, 2, 3, 4, 5].map(|index| word(frame, index) as usize);
+        let sizes = [&self.runs, &self.pedestrians, &self.vehicles, &self.curvature_ahead, &self.crossings];
         let sizes: Vec<usize> =
             sizes.iter().zip(counts).map(|(table, count)| 8 * table.width * count).collect();
         if frame.len() != 28 + sizes.iter().sum::<usize>() {
@@ -166,20 +172,32 @@ impl Tables {
         }
         let (runs, others) = frame[28..].split_at(sizes[0]);
         let (pedestrians, others) = others.split_at(sizes[1]);
-        let (vehicles, changes) = others.split_at(sizes[2]);
+        let (vehicles, others) = others.split_at(sizes[2]);
+        let (changes, crossings) = others.split_at(sizes[3]);
         let mut scenes: Vec<Seen> = (0..counts[0]).map(|index| scene(self.runs.row(runs, index))).collect();
         for index in 0..counts[1] {
-            let (row, one) = other(self.pedestrians.row(pedestrians, index));
+            let (row, one) = other(self.pedestrians.row(pedestrians, index), Kind::Pedestrian);
             scenes[row].pedestrians.push(one);
         }
         for index in 0..counts[2] {
-            let (row, one) = other(self.vehicles.row(vehicles, index));
+            let (row, one) = other(self.vehicles.row(vehicles, index), Kind::Vehicle);
             scenes[row].vehicles.push(one);
         }
         let told = if changes.is_empty() { 0 } else { counts[3] };
         for index in 0..told {
             let value = self.curvature_ahead.row(changes, index);
             scenes[value(0) as usize].curvature_ahead.push((value(1), value(2)));
+        }
+        let told = if crossings.is_empty() { 0 } else { counts[4] };
+        for index in 0..told {
+            let value = self.crossings.row(crossings, index);
+            scenes[value(0) as usize].crossings.push(SeenCrossing {
+                distance: value(1),
+                width: value(2),
+                pedestrian_priority: value(3) == 1.0,
+                right_edge: value(4),
+                left_edge: value(5),
+            });
         }
         Ok(scenes)
     }
@@ -211,13 +229,14 @@ fn scene(value: impl Fn(usize) -> f64) -> Seen {
         lateral_offset: value(21),
         heading_error: value(22),
         curvature_ahead: Vec::new(),
+        crossings: Vec::new(),
         pedestrians: Vec::new(),
         vehicles: Vec::new(),
     }
 }
 
 /// Its run's place in the frame, and what it is.
-fn other(value: impl Fn(usize) -> f64) -> (usize, Other) {
+fn other(value: impl Fn(usize) -> f64, otherwise: Kind) -> (usize, Other) {
     let one = Other {
         id: value(1) as u64,
         x: value(2),
@@ -228,6 +247,11 @@ fn other(value: impl Fn(usize) -> f64) -> (usize, Other) {
         ay: value(7),
         length: value(8),
         width: value(9),
+        kind: match value(10) {
+            2.0 => Kind::Cyclist,
+            3.0 => Kind::Escooter,
+            _ => otherwise,
+        },
     };
     (value(0) as usize, one)
 }

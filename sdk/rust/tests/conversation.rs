@@ -1,6 +1,6 @@
 //! A conversation in frames, with columns in an order of their own and one that nobody knows.
 
-use scenario_runner_av::{converse, About, Answer, Command, Controller, Gives, Parameter, Run, Seen};
+use scenario_runner_av::{converse, About, Answer, Command, Controller, Gives, Kind, Parameter, Run, Seen};
 use serde_json::{json, Value};
 
 struct Counts {
@@ -27,10 +27,14 @@ impl Controller for Counts {
             (Some(true), 5.0 + seen.slot as f64, true)
         );
         assert_eq!(
-            seen.pedestrians.iter().map(|one| (one.id, one.x)).collect::<Vec<_>>(),
-            if seen.slot == 1 { vec![(7, 3.5)] } else { vec![] }
+            seen.pedestrians.iter().map(|one| (one.id, one.x, one.kind)).collect::<Vec<_>>(),
+            if seen.slot == 1 { vec![(7, 3.5, Kind::Cyclist)] } else { vec![] }
         );
         assert_eq!(seen.vehicles.len(), usize::from(seen.slot == 2));
+        assert!(seen.vehicles.iter().all(|one| one.kind == Kind::Vehicle));
+        let crossings: Vec<_> =
+            seen.crossings.iter().map(|one| (one.distance, one.pedestrian_priority)).collect();
+        assert_eq!(crossings, if seen.slot == 2 { vec![(12.5, true), (40.0, false)] } else { vec![] });
         assert_eq!((seen.curvature, seen.gradient.is_nan()), (0.25, true));
         let bends = if seen.slot == 2 { vec![(20.0, 0.0), (45.0, 0.02)] } else { vec![] };
         assert_eq!(seen.curvature_ahead, bends);
@@ -53,11 +57,13 @@ fn scenes(slots: &[f64], time: f64) -> Vec<u8> {
         slots.iter().flat_map(|slot| [77.0, 1.0, 5.0 + slot, time, 0.0, *slot, 0.25]).collect();
     let of = |slot: f64| slots.iter().position(|one| *one == slot).map(|row| row as f64);
     let (people, cars) = (of(1.0), of(2.0));
-    rows.extend(people.iter().flat_map(|row| [*row, 7.0, 3.5]));
+    rows.extend(people.iter().flat_map(|row| [*row, 7.0, 3.5, 2.0]));
     rows.extend(cars.iter().flat_map(|row| [30.0, *row]));
     rows.extend(cars.iter().flat_map(|row| [20.0, *row, 0.0, 45.0, *row, 0.02]));
+    rows.extend(cars.iter().flat_map(|row| [12.5, 1.0, *row, 40.0, 0.0, *row]));
     let counts = [slots.len() as u32, people.iter().count() as u32, cars.iter().count() as u32];
-    let words = [28 + 8 * rows.len() as u32, 1, counts[0], counts[1], counts[2], 2 * counts[2], 0, 0];
+    let words =
+        [28 + 8 * rows.len() as u32, 1, counts[0], counts[1], counts[2], 2 * counts[2], 2 * counts[2], 0];
     let words = words.iter().flat_map(|word| word.to_le_bytes());
     words.chain(rows.iter().flat_map(|value| value.to_le_bytes())).collect()
 }
@@ -73,6 +79,7 @@ fn runs_begin_are_decided_and_refused() {
     let columns = json!({
         "runs": ["later", "signal", "speed", "time", "new", "slot"], "lanes": ["curvature"], "pedestrians": ["row", "id", "x"],
         "vehicles": ["x", "row"], "curvature_ahead": ["distance", "row", "curvature"],
+        "kinds": ["kind"], "crossings": ["distance", "pedestrian_priority", "row"],
     });
     let greeting = json!({"hello": {"protocol": 1, "columns": columns}}).to_string() + "\n";
     let run = |slot: u32| {

@@ -11,11 +11,11 @@ use crate::syntax::ast;
 use crate::value::{self, NameScope, Typed};
 use crate::write::{BlockText, constant};
 use scenario::limits::Limit;
-use scenario::{BendRadius, DeclaredBend, DeclaredPiece, Dimension, Expression, PieceKind, limits};
+use scenario::{BendRadius, DeclaredPiece, Dimension, Expression, PieceKind, limits};
 
-/// What a path is made of; numbers are noted under `road.path.1.length`.
+/// What the path of a road is made of that is known as `road`; numbers are noted under `road.path.1.length`.
 pub fn pieces(
-    path: ast::RoadPath,
+    (path, road): (ast::RoadPath, &str),
     scope: &NameScope,
     places: &Places,
     written: &mut Book,
@@ -25,7 +25,7 @@ pub fn pieces(
     let before = report.len();
     let (mut pieces, mut bends) = (Vec::new(), false);
     for (index, node) in block.pieces().enumerate() {
-        let mut reader = Reader { scope, places, written, index: index + 1 };
+        let mut reader = Reader { scope, places, written, road, index: index + 1 };
         let kind = reader.piece(node, bends, report);
         bends = match node {
             ast::PathPiece::Straight(_) | ast::PathPiece::Turn(_) => false,
@@ -50,6 +50,8 @@ struct Reader<'a> {
     scope: &'a NameScope<'a>,
     places: &'a Places<'a>,
     written: &'a mut Book,
+    /// As its numbers are noted.
+    road: &'a str,
     /// Of the piece, counted from 1.
     index: usize,
 }
@@ -153,7 +155,8 @@ impl Reader<'_> {
     }
 
     fn note(&mut self, name: &str, typed: &Typed) {
-        self.written.statement("road.path", &format!("{}.{name}", self.index), Some(typed), self.places);
+        let path = format!("{}.path", self.road);
+        self.written.statement(&path, &format!("{}.{name}", self.index), Some(typed), self.places);
     }
 }
 
@@ -172,7 +175,7 @@ pub fn no_path(at: Span) -> Diagnostic {
 }
 
 /// The statement that says it, whose values are all constants.
-pub fn write_path(bend: &DeclaredBend, out: &mut BlockText) {
+pub fn write_path(pieces: &[DeclaredPiece], out: &mut BlockText) {
     let (length, angle) = (
         |value: &Expression| constant(value, Dimension::LENGTH),
         |value: &Expression| constant(value, Dimension::ANGLE),
@@ -180,7 +183,7 @@ pub fn write_path(bend: &DeclaredBend, out: &mut BlockText) {
     let side = |is_left: bool| if is_left { "left" } else { "right" };
     let radius = |about: &BendRadius| format!("radius {} {}", length(&about.radius), side(about.is_left));
     out.open("path");
-    for piece in &bend.pieces {
+    for piece in pieces {
         out.line(&match &piece.kind {
             PieceKind::Straight { length: long } => format!("straight {}", length(long)),
             PieceKind::Clothoid { length: long, to } => {

@@ -51,7 +51,7 @@ pub fn criterion(
         set_aside(&mut report[before..]);
     }
     (report.len() == before && applies).then_some(())?;
-    let reach = Reach { people, limits: None };
+    let reach = Reach { people, ..Reach::default() };
     Some(of_each(Criterion { claim: claim?, when, text, reach, origin: places.origin(node.span()) }, node))
 }
 
@@ -106,6 +106,18 @@ fn whom(
             )
             .label("which people?")
             .hint("take people from a population, `individuals 20 of standard`, or leave it out"),
+        );
+        return None;
+    }
+    if !all && cast.are_drawn {
+        report.push(
+            Diagnostic::new(
+                Code::BadPeople,
+                said.span(),
+                "every run is of somebody else, so that there are no people to come back to",
+            )
+            .label("of which people?")
+            .hint("say `of all people`, or take some: `individuals 20 of standard`"),
         );
         return None;
     }

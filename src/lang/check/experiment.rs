@@ -44,6 +44,18 @@ pub fn search(
     };
     let subject = subjects.scenario(wanted.span(), wanted.text(), &[], places, report)?;
     let cast = subject.cast();
+    if let Some(drawn) = block.people().filter(|node| node.are_drawn()) {
+        report.push(
+            Diagnostic::new(
+                Code::BadPeople,
+                drawn.span(),
+                "a search finds something for each of its people, who are chosen beforehand",
+            )
+            .label("somebody else in every run")
+            .hint("take some: `individuals 20 of standard`; the scenario itself may draw its people"),
+        );
+        return None;
+    }
     let people =
         block.people().map(|node| individuals(Said { node, scope }, &able_models(&subject), places, report));
     let objective = match block.objective() {

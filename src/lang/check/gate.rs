@@ -77,8 +77,9 @@ fn rule(
     places: &Places,
     report: &mut Vec<Diagnostic>,
 ) -> Option<GateRule> {
+    let primary = node.primary().is_some();
     if let Some(new) = node.none_new() {
-        return none_new(new, cast, scope, places, report);
+        return none_new(new, primary, cast, scope, places, report);
     }
     let metric = match node.metric() {
         Some(node) => {
@@ -111,7 +112,7 @@ fn rule(
         None => DEFAULT_CONFIDENCE,
     };
     let mut text = match node.metric() {
-        Some(metric) => format!("{} not worse", syntax::metric_text(metric)),
+        Some(metric) => format!("{}{} not worse", said_first(primary), syntax::metric_text(metric)),
         None => "no metric worse".to_string(),
     };
     if let Some(bound) = bound {
@@ -121,7 +122,8 @@ fn rule(
         text += &format!(" with {} confidence", syntax::expression(said));
     }
     let metric = metric.map(|(reference, _)| reference);
-    Some(GateRule { metric, tolerance, confidence, text, notation, origin: places.origin(node.span()) })
+    let origin = places.origin(node.span());
+    Some(GateRule { metric, tolerance, primary, confidence, text, notation, origin })
 }
 
 /// The confidence of a rule: all comparisons of a gate share what it leaves to chance.
@@ -145,9 +147,14 @@ fn confidence(said: ast::Expression, scope: &NameScope, report: &mut Vec<Diagnos
     Some(confidence)
 }
 
+fn said_first(primary: bool) -> &'static str {
+    if primary { "primary " } else { "" }
+}
+
 /// `no new collision`
 fn none_new(
     node: ast::NoneNew,
+    primary: bool,
     cast: &Cast,
     scope: &NameScope,
     places: &Places,
@@ -168,8 +175,9 @@ fn none_new(
     Some(GateRule {
         metric: Some(reference),
         tolerance: Tolerance::NoneNew { where_none_was: false },
+        primary,
         confidence: DEFAULT_CONFIDENCE,
-        text: format!("no new {}", syntax::metric_text(metric)),
+        text: format!("{}no new {}", said_first(primary), syntax::metric_text(metric)),
         notation: None,
         origin: places.origin(node.span()),
     })

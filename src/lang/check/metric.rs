@@ -22,6 +22,8 @@ pub struct Cast<'a> {
     pub boxes: Vec<&'a str>,
     /// Whether people are taken from a population, and if so whether there are several.
     pub individuals: Option<bool>,
+    /// Whether every run is of somebody else.
+    pub are_drawn: bool,
     /// What can be measured.
     pub metrics: &'a Table<Metric>,
 }
@@ -157,6 +159,15 @@ fn pair(
             let other = solid(*other, &car, cast, report)?;
             Some(Subjects::of(car, (other, Vec::new())))
         }
+        ([car, other], Measured::Vehicles) => {
+            let car = vehicle(*car, report)?;
+            let another = vehicle(*other, report)?;
+            if car == another {
+                report.push(touches_itself(*other, &car, "name another vehicle"));
+                return None;
+            }
+            Some(Subjects::of(car, (another, Vec::new())))
+        }
         ([car, others @ ..], Measured::Pair)
             if others.len() == 1 || (others.len() > 1 && others.iter().all(is_person)) =>
         {
@@ -175,6 +186,7 @@ fn pair(
             let (whom, example) = match metric.scope {
                 Measured::Pair => ("a vehicle and a pedestrian", format!("{name}(av, walker)")),
                 Measured::Contact => ("a vehicle and what it touches", format!("{name}(av, walker)")),
+                Measured::Vehicles => ("two vehicles", format!("{name}(av, other)")),
                 Measured::Vehicle => ("a vehicle", format!("{name}(av)")),
                 Measured::Pedestrian => ("a pedestrian", format!("{name}(walker)")),
             };
@@ -188,16 +200,20 @@ fn pair(
     }
 }
 
+fn touches_itself(name: ast::Name, vehicle: &str, hint: &str) -> Diagnostic {
+    Diagnostic::new(Code::TouchesItself, name.span(), format!("`{vehicle}` never touches itself"))
+        .label("the same vehicle")
+        .hint(hint)
+}
+
 /// Anything but `vehicle` that it may touch.
 fn solid(name: ast::Name, vehicle: &str, cast: &Cast, report: &mut Vec<Diagnostic>) -> Option<String> {
     let groups = cast.groups.iter().map(|(group, _)| *group);
     let all = groups.chain(cast.pedestrians.iter().chain(&cast.vehicles).chain(&cast.boxes).copied());
     if name.text() == vehicle {
-        report.push(
-            Diagnostic::new(Code::TouchesItself, name.span(), format!("`{vehicle}` never touches itself"))
-                .label("the same vehicle")
-                .hint("name a pedestrian, another vehicle or a box of the road; or nothing, for whatever it touches"),
-        );
+        let hint =
+            "name a pedestrian, another vehicle or a box of the road; or nothing, for whatever it touches";
+        report.push(touches_itself(name, vehicle, hint));
         return None;
     }
     if all.clone().any(|known| known == name.text()) {

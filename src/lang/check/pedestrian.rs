@@ -313,6 +313,7 @@ pub fn individuals(
     };
     let selection = match node.is_one() {
         true => PopulationShare::Number(number(report)?),
+        false if node.are_drawn() => PopulationShare::Drawn,
         false if node.are_all() => PopulationShare::All,
         false => PopulationShare::Count(number(report)?),
     };
@@ -545,6 +546,7 @@ pub fn write_pedestrian(person: &DeclaredPedestrian, out: &mut BlockText) {
         let population = if is_name(population) { population.clone() } else { quoted(population) };
         out.line(&match selection {
             PopulationShare::All => format!("individuals all of {population}"),
+            PopulationShare::Drawn => format!("individuals drawn from {population}"),
             PopulationShare::Count(count) => format!("individuals {count} of {population}"),
             PopulationShare::Number(number) => format!("individual {number} of {population}"),
         });

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use super::bend;
 use super::block::{Layer, missing, reject_repeats};
 use super::book::Book;
+use super::over::{SaidOver, over};
 use super::places::Places;
 use super::road_settings::{OF_SIGNAL, bus, obstacle, parked_row, signalised, unmarked, zebra};
 use crate::codes::Code;
@@ -28,6 +29,8 @@ pub struct DeclaredRoad {
     /// Of its other crossings, in their order.
     pub other_crossings: Vec<DeclaredPlace>,
     pub signal: Option<DeclaredSignal>,
+    /// What it lies over.
+    pub over: Option<SaidOver>,
 }
 
 /// The road that a `road_block` describes; `name` is empty for one inside a scenario.
@@ -42,6 +45,10 @@ pub fn road(
 ) -> Option<DeclaredRoad> {
     reject_repeats(*block, report);
     let layers = [Layer { block, scope }];
+    let known_as = match block.over() {
+        Some(_) => format!("road {name}"),
+        None => "road".to_string(),
+    };
     let what = if name.is_empty() { "this road".to_string() } else { format!("road `{name}`") };
     let lanes = match block.lanes() {
         Some(node) => lanes(node, scope, report),
@@ -66,18 +73,34 @@ pub fn road(
     };
     let crossing = match block.crossing() {
         Some(node) => crossing(ast::AnyCrossing::Crossing(node), scope, report).map(|found| (node, found)),
+        // People cross the road below.
+        None if block.over().is_some() => None,
         None => {
             missing::<ast::Crossing>(&layers, span, &what, report);
             None
         }
     };
-    let ground = ground(block, scope, places, written, report);
+    let ground = ground((block, &known_as), scope, places, written, report);
     let boxes: Vec<_> = block.obstacles().map(|node| bodies(node, scope, report)).collect();
     let others: Vec<_> =
         block.other_crossings().map(|node| other_crossing(node, scope, places, written, report)).collect();
     let others = crossings_named_once(others.into_iter().collect::<Option<Vec<_>>>(), block, report);
     let medians = medians(block, scope, lanes.as_deref().zip(lane_width), report);
-    let pieces = block.path().map(|path| bend::pieces(path, scope, places, written, report));
+    let pieces = block.path().map(|path| bend::pieces((path, &known_as), scope, places, written, report));
+    if let Some(node) = block.over() {
+        let over = over(node, (block, &known_as), pieces, scope, places, written, report)?;
+        let road = Road {
+            name: name.to_string(),
+            medians: medians?,
+            lane_width: lane_width?,
+            lanes: lanes?,
+            kerbs: block.no_kerbs().is_none(),
+            crossing: Crossing { kind: CrossingKind::Unmarked, width: 0.0 },
+            ..Road::zebra(&[], speed_limit?)
+        };
+        let (bend, other_crossings, signal) = (None, Vec::new(), None);
+        return Some(DeclaredRoad { road, bend, ground: ground?, other_crossings, signal, over: Some(over) });
+    }
     let (node, SaidCrossing { crossing, at, signal }) = crossing?;
     for (name, typed) in &signal {
         written.statement("road", name, Some(typed), places);
@@ -116,7 +139,7 @@ pub fn road(
         bend: None,
         ground: Ground::default(),
     };
-    Some(DeclaredRoad { road, bend, ground: ground?, other_crossings: places_of_others, signal })
+    Some(DeclaredRoad { road, bend, ground: ground?, other_crossings: places_of_others, signal, over: None })
 }
 
 /// The strips between lanes of a road whose lanes and their width (m) are known.
@@ -235,7 +258,7 @@ fn crossings_named_once(
 
 /// How steep it is and how well tyres hold on it, where that is said; the outer `None`: said wrongly.
 fn ground(
-    block: ast::RoadBlock,
+    (block, road): (ast::RoadBlock, &str),
     scope: &NameScope,
     places: &Places,
     written: &mut Book,
@@ -244,7 +267,7 @@ fn ground(
     let mut number = |name: &str, node: ast::Expression, limit: limits::Limit| {
         let what = format!("the {name} of the road");
         let typed = value::quantity_within(node, limit, &what, scope, report)?;
-        written.statement("road", name, Some(&typed), places);
+        written.statement(road, name, Some(&typed), places);
         Some(typed)
     };
     let gradient = block.gradient().map(|said| number("gradient", said.value(), limits::GRADIENT));
@@ -477,15 +500,39 @@ fn signal_text(mut signal: TrafficSignal, varied: Option<&DeclaredSignal>) -> St
     text
 }
 
-/// The block that says it.
+/// The block that says it, inside a scenario or, `named`, as a definition.
 pub fn write_road(
-    road: &Road,
+    (road, named): (&Road, bool),
     (bend, ground, signal): (Option<&DeclaredBend>, Option<&DeclaredGround>, Option<&DeclaredSignal>),
     other_crossings: &[DeclaredPlace],
     out: &mut BlockText,
 ) {
-    out.open("road");
-    bend.into_iter().for_each(|bend| bend::write_path(bend, out));
+    match road.name.as_str() {
+        name if named => out.open(&format!("road {name}")),
+        _ => out.open("road"),
+    }
+    bend.into_iter().for_each(|bend| bend::write_path(&bend.pieces, out));
+    write_cross_section(road, ground, out);
+    out.line(&crossing_text("", &road.crossing, bend.map(|bend| &bend.crossing), signal));
+    for (OtherCrossing { name, crossing, .. }, place) in road.other_crossings.iter().zip(other_crossings) {
+        out.line(&crossing_text(name, crossing, Some(&place.at), None));
+    }
+    for (index, body) in road.boxes.iter().enumerate() {
+        let metres = |value| quantity(value, Dimension::LENGTH);
+        let name = if body.name.is_empty() { format!("box_{}", index + 1) } else { body.name.clone() };
+        out.line(&format!(
+            "box {name} {{ along: {}, across: {}, length: {}, width: {} }}",
+            metres(body.x),
+            metres(body.y),
+            metres(body.length),
+            metres(body.width),
+        ));
+    }
+    out.close();
+}
+
+/// What a road is like whatever crosses it and stands there.
+pub fn write_cross_section(road: &Road, ground: Option<&DeclaredGround>, out: &mut BlockText) {
     let directions: Vec<_> = road
         .lanes
         .iter()
@@ -513,22 +560,6 @@ pub fn write_road(
         let refuge = if *refuge { " with refuge" } else { "" };
         out.line(&format!("median {} after lane {after}{refuge}", quantity(*width, Dimension::LENGTH)));
     }
-    out.line(&crossing_text("", &road.crossing, bend.map(|bend| &bend.crossing), signal));
-    for (OtherCrossing { name, crossing, .. }, place) in road.other_crossings.iter().zip(other_crossings) {
-        out.line(&crossing_text(name, crossing, Some(&place.at), None));
-    }
-    for (index, body) in road.boxes.iter().enumerate() {
-        let metres = |value| quantity(value, Dimension::LENGTH);
-        let name = if body.name.is_empty() { format!("box_{}", index + 1) } else { body.name.clone() };
-        out.line(&format!(
-            "box {name} {{ along: {}, across: {}, length: {}, width: {} }}",
-            metres(body.x),
-            metres(body.y),
-            metres(body.length),
-            metres(body.width),
-        ));
-    }
-    out.close();
 }
 
 fn crossing_text(

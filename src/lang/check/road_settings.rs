@@ -165,6 +165,27 @@ fn rectangle() -> [Parameter; 4] {
     ]
 }
 
+/// `over main { … }`
+pub fn over() -> Declaration {
+    let at = "Where their lanes 0 meet: along the other road from the middle of its first crossing, on a `path` from its beginning.";
+    let range = (limits::CROSSING_PLACE.range.0, limits::STATION.range.1);
+    let meets =
+        "How far behind the beginning of its own `path` that is; a road without one is straight and endless.";
+    let angle = "From the direction of the other road to its own there, to the left: at 90 deg it comes from the near side.";
+    Declaration::new("over", "Where a road lies over another.").source(LANGUAGE).parameters([
+        Parameter::optional("at", Dimension::LENGTH, range, at, LANGUAGE),
+        Parameter::optional("meets", Dimension::LENGTH, limits::STATION.range, meets, LANGUAGE),
+        Parameter::number(
+            "angle",
+            Dimension::ANGLE,
+            std::f64::consts::FRAC_PI_2,
+            limits::JUNCTION_ANGLE.range,
+            angle,
+            LANGUAGE,
+        ),
+    ])
+}
+
 const PROTOCOL: &str = "Euro NCAP's protocol for vulnerable road users";
 
 /// `turn left { … }`

@@ -69,7 +69,9 @@ fn budget(node: ast::Runs, places: &Places, report: &mut Vec<Diagnostic>) -> Opt
 
 /// Runs are added, not people.
 fn refuse_all_people(criteria: &[(Span, Criterion)], report: &mut Vec<Diagnostic>) {
-    for (span, _) in criteria.iter().filter(|(_, criterion)| criterion.reach.people == Some(People::All)) {
+    let of_all =
+        |criterion: &Criterion| criterion.reach.people == Some(People::All) && !criterion.reach.drawn_people;
+    for (span, _) in criteria.iter().filter(|(_, criterion)| of_all(criterion)) {
         report.push(
             Diagnostic::new(
                 Code::BadPeople,
@@ -77,7 +79,10 @@ fn refuse_all_people(criteria: &[(Span, Criterion)], report: &mut Vec<Diagnostic
                 "runs that are added are of the same people, and say no more of all people",
             )
             .label("speaks of all people")
-            .hint("say `repeat` instead of `runs`, and take as many `individuals` as it needs"),
+            .hint(
+                "let every run be of somebody else, `individuals drawn from standard`; or say `repeat` and take as many `individuals` \
+                 as it needs",
+            ),
         );
     }
 }

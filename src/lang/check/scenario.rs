@@ -7,6 +7,7 @@ use super::block::{Layer, Said, last, missing, reject_repeats};
 use super::book::Book;
 use super::criterion::{From, criterion};
 use super::defaults::Defaults;
+use super::junction::{defined_road, lies_over_another, other_roads, write_other_road};
 use super::literal;
 use super::metric::Cast;
 use super::pedestrian::{Described, pedestrian, write_pedestrian};
@@ -14,19 +15,18 @@ use super::places::Places;
 use super::road::{DeclaredRoad, road, write_road};
 use super::same_as::check_same_as;
 use super::vehicle::{check_starts, vehicle, write_vehicle};
-use super::{group, runs, variation};
+use super::{draw, group, runs, variation};
 use crate::codes::Code;
 use crate::diagnostic::{Diagnostic, nearest};
 use crate::source::Span;
-use crate::syntax::View;
 use crate::syntax::ast;
 use crate::texts::{NameDefinition, Names};
 use crate::value::{self, Binding, NameScope, Typed, ValueKind};
 use crate::write::{BlockText, quantity, quoted};
 use scenario::limits::Limit;
 use scenario::{
-    Criterion, DeclaredBend, DeclaredGround, DeclaredPedestrian, DeclaredSignal, Dimension, Expression,
-    Individuals, Membership, PopulationShare, Scenario, Variation, Vehicle, limits,
+    Criterion, DeclaredBend, DeclaredGround, DeclaredOtherRoad, DeclaredPedestrian, DeclaredSignal,
+    Dimension, Expression, Individuals, Membership, PopulationShare, Scenario, Variation, Vehicle, limits,
 };
 
 /// Criteria that a suite adds to its scenarios, with the names that its file can see.
@@ -52,7 +52,8 @@ pub fn scenario(
         reject_repeats(*own.block, report);
         runs::reject_both(own.block, report);
     }
-    let (variations, varied) = variation::variations(&blocks, report);
+    let (mut variations, mut varied) = variation::variations(&blocks, report);
+    let mut draws = draw::draws(&blocks, &mut variations, &mut varied, places, report);
     let scopes: Vec<NameScope> = blocks.iter().map(|layer| layer_scope(*layer, &varied, report)).collect();
     let layers: Vec<Layer<_>> =
         blocks.iter().zip(&scopes).map(|(layer, scope)| Layer { block: layer.block, scope }).collect();
@@ -60,13 +61,14 @@ pub fn scenario(
     let mut written = Book::default();
     let road = scenario_road(&chain, &layers, name, places, &mut written, report);
     let (road, bend, ground, other_crossings, signal) = match road {
-        Some(DeclaredRoad { road, bend, ground, other_crossings, signal }) => {
+        Some(DeclaredRoad { road, bend, ground, other_crossings, signal, over: _ }) => {
             (Some(road), bend, ground, other_crossings, signal)
         }
         None => (None, None, None, Vec::new(), None),
     };
     let vehicle_groups =
         grouped(&layers, |block| block.vehicles().map(|one| (one.name(), one.block())).collect(), report);
+    let elsewhere = other_roads(&vehicle_groups, road.as_ref(), places, &mut written, report);
     let pedestrian_groups =
         grouped(&layers, |block| block.pedestrians().map(|one| (one.name(), one)).collect(), report);
     reject_shared_names(&vehicle_groups, &pedestrian_groups, report);
@@ -80,8 +82,8 @@ pub fn scenario(
     let mut vehicles: Vec<(Span, Vehicle)> = Vec::new();
     let mut alike = Vec::new();
     for (name, layers) in &vehicle_groups {
-        if let Some(vehicle) = vehicle(*name, layers, road.as_ref(), places, &mut written, &mut alike, report)
-        {
+        let roads = (road.as_ref(), elsewhere.as_slice());
+        if let Some(vehicle) = vehicle(*name, layers, roads, places, &mut written, &mut alike, report) {
             vehicles.push((name.span(), vehicle));
         }
     }
@@ -93,6 +95,7 @@ pub fn scenario(
         ),
         boxes: road.iter().flat_map(|road| &road.boxes).map(|body| body.name.as_str()).collect(),
         individuals: None,
+        are_drawn: false,
         metrics: places.files.registry.metrics(),
     };
     let mut pedestrians: Vec<DeclaredPedestrian> = Vec::new();
@@ -117,7 +120,7 @@ pub fn scenario(
         let awaited =
             |vehicle: &str| pedestrians.iter().any(|pedestrian| pedestrian.appears.awaits() == Some(vehicle));
         check_starts(&vehicles, awaited, report);
-        nobody(name, &cast, report);
+        nobody(name, &cast, !elsewhere.is_empty(), report);
         check_same_as(&alike, &pedestrians, report);
     }
     let vehicles: Vec<Vehicle> = vehicles.into_iter().map(|(_, vehicle)| vehicle).collect();
@@ -128,6 +131,7 @@ pub fn scenario(
     };
     // Of a scenario that could not be read nobody knows.
     cast.individuals = if broken { Some(true) } else { taken().next().map(|_| taken().any(several)) };
+    cast.are_drawn = pedestrians.iter().any(draws_person);
     let mut criteria: Vec<(Span, Criterion)> = Vec::new();
     for layer in &layers {
         for node in layer.block.expects().flat_map(|expect| expect.block().criteria()) {
@@ -142,6 +146,10 @@ pub fn scenario(
             criteria.extend(found.into_iter().flatten().map(|criterion| (node.span(), criterion)));
         }
     }
+
+    draw::refuse_in_criteria(&draws, &criteria, report);
+    let draws_people = pedestrians.iter().any(draws_person);
+    criteria.iter_mut().for_each(|(_, criterion)| criterion.reach.drawn_people = draws_people);
 
     let number =
         |said: Option<Said<ast::Expression>>, limit: Limit, what: &str, default: f64, report: &mut _| {
@@ -168,6 +176,7 @@ pub fn scenario(
             tags.push(tag);
         }
     }
+    draw::leave_out_unknown(before, report);
     if report.len() == before && !broken {
         let mut users = used_variables(
             (bend.as_ref(), ground.as_ref(), signal.as_ref()),
@@ -177,6 +186,9 @@ pub fn scenario(
         );
         users.extend(variations.iter().flat_map(Variation::depends_on));
         users.extend(other_crossings.iter().flat_map(|place| place.at.variables()));
+        let of_others = elsewhere.iter().flat_map(DeclaredOtherRoad::expressions);
+        users.extend(of_others.flat_map(|(expression, _)| expression.variables()));
+        draw::leave_out_unused(&mut draws, &blocks, &varied, &users, report);
         unused(&layers, &varied, &variations, &users, report);
     }
     Some(Scenario {
@@ -188,9 +200,11 @@ pub fn scenario(
         ground,
         other_crossings,
         signal,
+        other_roads: elsewhere,
         vehicles,
         pedestrians,
         variations,
+        draws,
         repeat: runs.as_ref()?.repeat,
         seed: runs.as_ref()?.seed,
         runs: runs?.budget,
@@ -212,7 +226,10 @@ pub fn surroundings(definition: NameDefinition, places: &Places) -> Option<HashM
     let mut known = Vec::new();
     let chain = chain(definition, places, &mut known)?;
     let scopes = parameter_scopes(&chain, places, &mut known)?;
-    Some(variation::variations(&layers(&chain, &scopes, places), &mut known).1)
+    let layers = layers(&chain, &scopes, places);
+    let (mut variations, mut names) = variation::variations(&layers, &mut known);
+    draw::draws(&layers, &mut variations, &mut names, places, &mut known);
+    Some(names)
 }
 
 /// What every definition of a chain says, with the names that it knows.
@@ -396,7 +413,8 @@ fn scenario_road(
         return None;
     };
     if let Some(block) = choice.block() {
-        return road("", choice.span(), block, scope, places, written, report);
+        let found = road("", choice.span(), block, scope, places, written, report);
+        return refuse_upper(found, choice.span(), report);
     }
     let wanted = choice.name()?;
     let names: &Names = places.files.names(file);
@@ -412,24 +430,22 @@ fn scenario_road(
         );
         return None;
     };
-    defined_road(*found, places, written, report)
+    let found = defined_road(*found, places, written, report);
+    refuse_upper(found, wanted.span(), report)
 }
 
-/// Checks a road with a name, whoever uses it.
-pub fn check_road(definition: NameDefinition, places: &Places, report: &mut Vec<Diagnostic>) {
-    defined_road(definition, places, &mut Book::default(), report);
-}
-
-/// A road with a name. Its mistakes are reported where it is defined, whoever uses it.
-fn defined_road(
-    definition: NameDefinition,
-    places: &Places,
-    written: &mut Book,
+/// A scenario's own road lies on the ground.
+fn refuse_upper(
+    found: Option<DeclaredRoad>,
+    chosen: Span,
     report: &mut Vec<Diagnostic>,
 ) -> Option<DeclaredRoad> {
-    let node = ast::RoadDefinition::cast(places.files.node(definition))?;
-    let name = node.name();
-    road(name.text(), name.span(), node.block(), places.files.scope(definition.file), places, written, report)
+    let found = found?;
+    if let Some(over) = &found.over {
+        report.push(lies_over_another(&found.road.name, &over.under, chosen));
+        return None;
+    }
+    Some(found)
 }
 
 type Group<'a, B> = (ast::Name<'a>, Vec<Layer<'a, B>>);
@@ -473,9 +489,16 @@ fn reject_shared_names<V, P>(vehicles: &[Group<V>], pedestrians: &[Group<P>], re
     }
 }
 
-fn nobody(name: ast::Name, cast: &Cast, report: &mut Vec<Diagnostic>) {
+/// Whether they are somebody else in every run.
+fn draws_person(person: &DeclaredPedestrian) -> bool {
+    person.individuals.as_ref().is_some_and(|individuals| individuals.selection == PopulationShare::Drawn)
+}
+
+fn nobody(name: ast::Name, cast: &Cast, roads_cross: bool, report: &mut Vec<Diagnostic>) {
     let lacks = match (cast.vehicles.is_empty(), cast.pedestrians.is_empty()) {
         (false, false) => return,
+        // Where roads cross vehicles meet each other.
+        (false, true) if roads_cross && cast.vehicles.len() > 1 => return,
         (true, true) => "neither vehicle nor pedestrian",
         (true, false) => "no vehicle",
         (false, true) => "no pedestrian",
@@ -568,6 +591,14 @@ pub fn write_scenario(scenario: &Scenario, expect: &[String], remarks: &[String]
         let named = ::files::relative(Path::new(file), folder).display().to_string().replace('\\', "/");
         out.line(&format!("use {}", quoted(&named)));
     }
+    let (bend, ground, signal) = (scenario.bend.as_ref(), scenario.ground.as_ref(), scenario.signal.as_ref());
+    let parts = (bend, ground, signal);
+    if !scenario.other_roads.is_empty() {
+        // One lies over the other by its name.
+        write_road((&scenario.road, true), parts, &scenario.other_crossings, &mut out);
+        let below = &scenario.road.name;
+        scenario.other_roads.iter().for_each(|other| write_other_road(other, below, &mut out));
+    }
     out.open(&format!("scenario {}", scenario.name));
     if let Some(doc) = &scenario.doc {
         out.line(&quoted(doc));
@@ -575,8 +606,10 @@ pub fn write_scenario(scenario: &Scenario, expect: &[String], remarks: &[String]
     if !scenario.tags.is_empty() {
         out.line(&format!("tags {}", scenario.tags.join(", ")));
     }
-    let (bend, ground, signal) = (scenario.bend.as_ref(), scenario.ground.as_ref(), scenario.signal.as_ref());
-    write_road(&scenario.road, (bend, ground, signal), &scenario.other_crossings, &mut out);
+    match scenario.other_roads.is_empty() {
+        true => write_road((&scenario.road, false), parts, &scenario.other_crossings, &mut out),
+        false => out.line(&format!("road {}", scenario.road.name)),
+    }
     if scenario.step != Defaults::STEP {
         out.line(&format!("step {}", quantity(scenario.step, Dimension::TIME)));
     }

@@ -149,6 +149,7 @@ impl StatementSubject<'_> {
             groups: groups(&self.scenario.pedestrians),
             boxes: self.scenario.road.boxes.iter().map(|body| body.name.as_str()).collect(),
             individuals: None,
+            are_drawn: false,
             metrics: self.registry.metrics(),
         }
     }

@@ -92,9 +92,10 @@ pub fn variations(
             }
             for varied in varied {
                 let mut binding = Binding::new(Some(varied.typed()), varied.span);
-                if let Over::Values(values) | Over::Distribution(Distribution::Choice(values)) = varied.over {
-                    binding.varied = Some(values);
-                }
+                binding.varied = match varied.over {
+                    Over::Values(values) => Some(values),
+                    Over::Distribution(distribution) => distribution.options().map(<[_]>::to_vec),
+                };
                 bindings.insert(varied.name.to_string(), binding);
             }
             variations.extend(variation);
@@ -144,6 +145,11 @@ fn say_why_unknown(
 ) {
     let varied = layers.iter().flat_map(|layer| layer.block.variations()).flat_map(varied_names);
     let varied: HashMap<&str, Span> = varied.collect();
+    let drawn: HashMap<&str, Span> = layers
+        .iter()
+        .flat_map(|layer| layer.block.draws())
+        .map(|one| (one.name().text(), one.name().span()))
+        .collect();
     let lets = layer.block.bindings().map(ast::Binding::name);
     let lets: HashMap<&str, Span> = lets.map(|name| (name.text(), name.span())).collect();
     for finding in findings.iter_mut().filter(|finding| finding.code == Code::UnknownName) {
@@ -160,6 +166,11 @@ fn say_why_unknown(
                 let hint = format!("put the line that varies `{name}` above this one");
                 (Code::UnknownName, message, varied[name], hint)
             }
+        } else if let Some(name) = drawn.keys().find(is_it) {
+            let message = format!(
+                "`{name}` is another one in every run, and a variation is the same for all runs of a trial"
+            );
+            (Code::NotConstant, message, drawn[name], format!("draw this as well, or vary `{name}`"))
         } else if let Some(name) = lets.keys().find(is_it) {
             let message = format!("variations do not know `{name}`, a `let` of their own scenario");
             (Code::UnknownName, message, lets[name], "put the `let` before the scenario".to_string())
@@ -202,7 +213,7 @@ fn varies(variation: &Variation, name: &str) -> bool {
     names.iter().any(|varied| varied == name)
 }
 
-fn varied_names<'t>(node: ast::Variation<'t>) -> Vec<(&'t str, Span)> {
+pub fn varied_names<'t>(node: ast::Variation<'t>) -> Vec<(&'t str, Span)> {
     node.names().map(|name| (name.text(), name.span())).collect()
 }
 
@@ -489,6 +500,76 @@ fn range_values(node: ast::Range, report: &mut Vec<Diagnostic>) -> Option<(Writt
     Some((Written { kind, notation: converted.map(units::UnitEntry::notation) }, values))
 }
 
+/// `choice(child: 30 %, adult: 70 %)`
+fn weighted(
+    node: ast::Distribution,
+    scope: &NameScope,
+    report: &mut Vec<Diagnostic>,
+) -> Option<(Written, Distribution)> {
+    let bad = |span: Span, message: String, hint: &str| {
+        Diagnostic::new(Code::BadDistribution, span, message).label("cannot be drawn from").hint(hint)
+    };
+    if let Some(alone) = node.values().next() {
+        let message = format!("`{}` has no weight, and others have", alone.text());
+        report.push(bad(alone.span(), message, "give every value a weight, or none"));
+        return None;
+    }
+    let pairs: Vec<(ast::Expression, ast::Expression)> =
+        node.weighted().filter_map(|one| one.parts().next().zip(one.parts().nth(1))).collect();
+    let (written, options) = values(node.span(), pairs.iter().map(|(value, _)| *value), scope, report)?;
+    let (mut weights, mut in_percent) = (Vec::new(), true);
+    for (_, weight) in &pairs {
+        let typed = value::evaluate(*weight, scope, report)?;
+        if !value::expect_kind(&typed, ValueKind::Number(Dimension::NUMBER), "a weight", report) {
+            return None;
+        }
+        let scenario::Expression::Constant(Value::Number(number)) = typed.expression else {
+            return value::not_constant(typed.span, &typed.expression, "a weight", report);
+        };
+        if number < 0.0 {
+            let message = format!("the weight {} is below 0", significant(number, 6));
+            report.push(bad(typed.span, message, "give it a weight of at least 0"));
+            return None;
+        }
+        in_percent &= weight.text().contains('%');
+        weights.push(number);
+    }
+    let sum: f64 = weights.iter().sum();
+    if sum == 0.0 || !sum.is_finite() {
+        let message = "all weights are 0, or larger than a number can be".to_string();
+        report.push(bad(node.span(), message, "give a value a weight above 0"));
+        return None;
+    }
+    if in_percent && (sum - 1.0).abs() > 1e-9 {
+        let message = format!("the shares come to {} %, not to 100 %", significant(100.0 * sum, 6));
+        report.push(bad(
+            node.span(),
+            message,
+            "let them come to 100 %, or write plain numbers, which are relative",
+        ));
+        return None;
+    }
+    Some((written, Distribution::Weighted { options, weights }))
+}
+
+/// What a draw is from, with the kind and the unit of its values.
+pub struct DrawnFrom {
+    pub kind: ValueKind,
+    pub notation: Option<Notation>,
+    pub distribution: Distribution,
+}
+
+/// A distribution; `known` are the names that its numbers may depend on.
+pub fn drawn_from(
+    node: ast::Distribution,
+    scope: &NameScope,
+    known: &HashMap<String, Binding>,
+    report: &mut Vec<Diagnostic>,
+) -> Option<DrawnFrom> {
+    let (Written { kind, notation }, distribution) = distribution(node, scope, known, report)?;
+    Some(DrawnFrom { kind, notation, distribution })
+}
+
 /// `known` are the variations that its numbers may depend on.
 fn distribution(
     node: ast::Distribution,
@@ -512,14 +593,27 @@ fn distribution(
         return None;
     };
     let (wanted, of) = match entry.of {
-        DistributionOf::Values(of) => {
+        DistributionOf::Values if node.weighted().next().is_some() => return weighted(node, scope, report),
+        DistributionOf::Values => {
             let (kind, values) = values(node.span(), node.values(), scope, report)?;
-            return Some((kind, of(values)));
+            return Some((kind, Distribution::Choice(values)));
         }
         DistributionOf::Numbers(wanted, of) => (wanted, of),
     };
+    if let Some(node) = node.weighted().next() {
+        report.push(
+            Diagnostic::new(
+                Code::BadDistribution,
+                node.span(),
+                format!("the numbers of `{}` have no weights", name.text()),
+            )
+            .label("a value with a weight")
+            .hint("write the numbers alone; `choice(a: 70 %, b: 30 %)` has weights"),
+        );
+        return None;
+    }
     if count != wanted.len() {
-        let wanted = wanted.join(", ");
+        let wanted = wanted.iter().map(|one| one.name).collect::<Vec<_>>().join(", ");
         report.push(
             Diagnostic::new(
                 Code::BadDistribution,
@@ -534,8 +628,16 @@ fn distribution(
     let scope = &NameScope { outer: Some(scope), names: known.clone(), member: None };
     let mut numbers = Vec::new();
     let mut kind = None;
-    for expression in node.values() {
+    for (expression, wanted) in node.values().zip(wanted) {
         let typed = value::evaluate(expression, scope, report)?;
+        if wanted.is_plain {
+            let what = format!("the {} of `{}`", wanted.name, name.text());
+            if !value::expect_kind(&typed, ValueKind::Number(Dimension::NUMBER), &what, report) {
+                return None;
+            }
+            numbers.push(typed.expression);
+            continue;
+        }
         let expected = *kind.get_or_insert(match typed.kind {
             ValueKind::Number(_) => Written::of(&typed),
             _ => Written { kind: ValueKind::Number(Dimension::NUMBER), notation: None },

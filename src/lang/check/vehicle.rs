@@ -13,15 +13,15 @@ use crate::syntax::ast;
 use crate::value::{self, NameScope, Typed, ValueKind};
 use crate::write::{BlockText, constant, model_text, settings_text};
 use scenario::{
-    CommandKind, ControllerModel, DeclaredFollowing, DeclaredVehicleStart, Dimension, DynamicsModel, Model,
-    Reference, Road, Vehicle, limits,
+    CommandKind, ControllerModel, DeclaredFollowing, DeclaredOtherRoad, DeclaredVehicleStart, Dimension,
+    DynamicsModel, Model, Reference, Road, Vehicle, limits,
 };
 
 /// The vehicle that `layers` describe together, the last having the last word.
 pub fn vehicle(
     name: ast::Name,
     layers: &[Layer<ast::VehicleBlock>],
-    road: Option<&Road>,
+    roads: (Option<&Road>, &[DeclaredOtherRoad]),
     places: &Places,
     written: &mut Book,
     alike: &mut Vec<SameAs>,
@@ -61,12 +61,13 @@ pub fn vehicle(
             None
         }
     };
+    let driven = driven_on(layers, roads);
     let lane = match last(layers, ast::VehicleBlock::lane) {
-        Some(said) => lane(said, road, report),
+        Some(said) => lane(said, driven.as_ref().map(|(road, _)| *road), report),
         None => Some(0),
     };
     let start = match last(layers, ast::VehicleBlock::start) {
-        Some(said) => start(said, report),
+        Some(said) => start(said, (name, driven.as_ref().map(|(_, name)| name.as_deref())), report),
         None => Some((DeclaredVehicleStart::Automatic, None)),
     };
     let follows = match last(layers, ast::VehicleBlock::follows) {
@@ -121,12 +122,26 @@ pub fn vehicle(
         },
         speed: speed?.expression,
         start: start?.0,
+        road: driven.and_then(|(_, name)| name),
         lane: lane?,
         follows: follows?,
         sees,
         obeys_signals: obeys,
         origin: places.origin(name.span()),
     })
+}
+
+/// The road that it drives on, where that is known, and the road's name if it lies over another.
+fn driven_on<'a>(
+    layers: &[Layer<ast::VehicleBlock>],
+    (main, others): (Option<&'a Road>, &'a [DeclaredOtherRoad]),
+) -> Option<(&'a Road, Option<String>)> {
+    let Some(said) = last(layers, ast::VehicleBlock::on) else { return main.map(|main| (main, None)) };
+    let name = said.node.name().text();
+    match others.iter().find(|other| other.road.name == name) {
+        Some(other) => Some((&other.road, Some(name.to_string()))),
+        None => main.filter(|main| main.name == name).map(|main| (main, None)),
+    }
 }
 
 /// Which point of it follows the lane.
@@ -296,9 +311,30 @@ fn lane(said: Said<ast::Lane>, road: Option<&Road>, report: &mut Vec<Diagnostic>
 /// The unit says whether a start is a place or an arrival time.
 fn start(
     said: Said<ast::VehicleStart>,
+    (vehicle, driven): (ast::Name, Option<Option<&str>>),
     report: &mut Vec<Diagnostic>,
 ) -> Option<(DeclaredVehicleStart, Option<Typed>)> {
     let node = said.node.value();
+    // Of a road that was not found nobody knows.
+    if let Some(elsewhere) = driven.filter(|found| said.node.is_before_junction() != found.is_some()) {
+        let (message, label, hint) = match elsewhere {
+            Some(road) => (
+                format!("`{}` drives on `{road}`, where there is no crossing", vehicle.text()),
+                "no crossing on this road",
+                "say `start 40 m before junction`, which is where the two roads meet",
+            ),
+            None => (
+                format!(
+                    "`{}` drives on the road of the scenario, where places are counted from its crossing",
+                    vehicle.text()
+                ),
+                "not on a road that lies over another",
+                "say `start 40 m before crossing`, or let it drive `on` the other road",
+            ),
+        };
+        report.push(Diagnostic::new(Code::WrongRoad, said.node.span(), message).label(label).hint(hint));
+        return None;
+    }
     let value = value::evaluate(node, said.scope, report)?;
     let what = "the start of a vehicle";
     match value.kind {
@@ -376,16 +412,20 @@ pub fn write_vehicle(car: &Vehicle, out: &mut BlockText) {
         out.line(&format!("size {} x {}", length(long), length(wide)));
     }
     out.line(&format!("speed {}", constant(&car.speed, Dimension::SPEED)));
+    if let Some(road) = &car.road {
+        out.line(&format!("on {road}"));
+    }
+    let origin = if car.road.is_some() { "junction" } else { "crossing" };
     if car.lane != 0 {
         out.line(&format!("lane {}", car.lane));
     }
     match &car.start {
         DeclaredVehicleStart::Automatic => {}
         DeclaredVehicleStart::Distance(distance) => {
-            out.line(&format!("start {} before crossing", length(distance)));
+            out.line(&format!("start {} before {origin}", length(distance)));
         }
         DeclaredVehicleStart::TimeToArrival(time) => {
-            out.line(&format!("start {} before crossing", constant(time, Dimension::TIME)));
+            out.line(&format!("start {} before {origin}", constant(time, Dimension::TIME)));
         }
     }
     match &car.follows {

@@ -68,6 +68,8 @@ pub enum YamlShape {
     Settings,
     /// A mapping: `name in values`
     Values,
+    /// A mapping of names to distributions, or to `{ file: PATH }`: `draw name from distribution`
+    Drawn,
     /// A mapping, or a list of them, with names that go together.
     Together,
     /// A mapping: `let name = value`

@@ -350,6 +350,7 @@ fn describe(rule: &Rule) -> Option<String> {
         Rule::condition | Rule::metric | Rule::criterion => "a metric",
         Rule::direction => "`forward` or `backward`",
         Rule::list => "a list `[ … ]`",
+        Rule::weighted_value => VALUE,
         Rule::distribution | Rule::distribution_name => "a distribution such as `uniform(…)`",
         Rule::range => "a range such as `6 s .. 18 s step 4 s`",
         Rule::setting | Rule::setting_name => "a setting `name: value`",

@@ -199,6 +199,9 @@ fn what_gives_names_has_one() {
 
 /// A scenario with a road user of each kind; in the block of a kind `said` stands in place of what says the same there.
 fn with(kind: BlockKind, said: &str) -> String {
+    if let Some(text) = on_another_road(kind, said) {
+        return text;
+    }
     let words = match said {
         // Beside the first, which has no name.
         other if other.starts_with("crossing school") => "another crossing",
@@ -250,6 +253,32 @@ fn with(kind: BlockKind, said: &str) -> String {
     format!("{street}scenario a {{ {scenario} }}\n")
 }
 
+/// What is said of a road that lies over another, or of who drives there.
+fn on_another_road(kind: BlockKind, said: &str) -> Option<String> {
+    const OVER: &str = "over main { at: 20 m }";
+    let (over, car) = match (kind, said) {
+        (BlockKind::Road, over) if over.starts_with("over") => {
+            (over, "on side; start 60 m before junction".into())
+        }
+        (BlockKind::Vehicle, "on side") => (OVER, "on side; start 60 m before junction".into()),
+        (BlockKind::Vehicle, start) if start.ends_with("before junction") => {
+            (OVER, format!("on side; {start}"))
+        }
+        _ => return None,
+    };
+    Some(format!(
+        "road main {{ lane_width 3.5 m; speed_limit 50 km/h; crossing unmarked }}
+road side {{ {over}; lane_width 3 m; speed_limit 30 km/h }}
+scenario a {{
+  road main
+  vehicle av {{ controller carla_behavior; speed 30 km/h; {car} }}
+  pedestrian walker {{ model commotions; start 1 m from kerb }}
+  repeat 2
+}}
+"
+    ))
+}
+
 /// What the only scenario of a text says, wherever it stands.
 fn meaning(text: &str) -> (scenario::Scenario, serde_json::Value) {
     fn forget(value: &mut serde_json::Value) {
@@ -280,7 +309,7 @@ fn unusual(usage: &str) -> String {
 #[test]
 fn it_is_written_so_that_it_is_read_back() {
     /// What is put in before a scenario is written, or stands in it as a text of its own.
-    const PUT_IN: [&str; 4] = ["let", "vary", "vary together", "expect"];
+    const PUT_IN: [&str; 6] = ["let", "vary", "vary together", "draw", "draw together from", "expect"];
     let plain = meaning(&with(BlockKind::Scenario, "repeat 2")).1;
     for kind in [BlockKind::Road, BlockKind::Scenario, BlockKind::Vehicle, BlockKind::Pedestrian] {
         let statements = kind.block().statements.iter();

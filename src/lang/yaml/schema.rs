@@ -85,6 +85,17 @@ fn value(statement: &StatementEntry, registry: &Registry) -> Value {
         YamlShape::NamedSettings => mapping_of(&own_settings(statement, registry)),
         YamlShape::Settings => own_settings(statement, registry),
         YamlShape::Values => mapping_of(&one_or_several(&words())),
+        YamlShape::Drawn => mapping_of(&json!({
+            "anyOf": [
+                { "type": "string" },
+                {
+                    "type": "object",
+                    "properties": { "file": { "type": "string" } },
+                    "required": ["file"],
+                    "additionalProperties": false,
+                },
+            ],
+        })),
         YamlShape::Together => one_or_several(&mapping_of(&one_or_several(&words()))),
         YamlShape::Bindings => mapping_of(&words()),
         YamlShape::Flag | YamlShape::NotFlag => json!({ "type": "boolean" }),

@@ -269,6 +269,25 @@ impl Writer<'_> {
                     self.said(name, keyword, |writer| writer.varied(varied, values));
                 }
             }
+            YamlShape::Drawn => {
+                for (drawn, from) in self.fields(value, &format!("`{key}`")) {
+                    self.said(name, keyword, |writer| {
+                        writer.name(drawn);
+                        writer.text.push_str(" from ");
+                        match &from.value {
+                            Content::Mapping(fields) => match fields.as_slice() {
+                                [(file, path)] if file.scalar() == Some("file") => writer.quoted(path),
+                                _ => writer.wrong(
+                                    from,
+                                    "draws come from a distribution or a file",
+                                    "write `normal(5 m, 1 m)` or `{ file: gaps.csv }`",
+                                ),
+                            },
+                            _ => writer.words(from),
+                        }
+                    });
+                }
+            }
             YamlShape::Together => {
                 for group in Self::each(value) {
                     self.said(name, keyword, |writer| writer.together(group));

@@ -226,6 +226,17 @@ fn write(statement: &StatementEntry, statements: &[Node], depth: usize, out: &mu
                 }
             }
         }
+        YamlShape::Drawn => {
+            line(depth, &format!("{key}:"), out);
+            for draw in statements.iter().copied().filter_map(ast::Draw::cast) {
+                let from = match (draw.file(), draw.distribution()) {
+                    (Some(file), _) => format!("{{ file: {} }}", serde_json::Value::from(file.value())),
+                    (None, Some(distribution)) => scalar(&phrase(*distribution)),
+                    (None, None) => String::new(),
+                };
+                line(depth + 1, &format!("{}: {from}", draw.name().text()), out);
+            }
+        }
         YamlShape::Together => {
             line(depth, &format!("{key}:"), out);
             for node in statements {

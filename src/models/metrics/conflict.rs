@@ -308,7 +308,7 @@ struct Order {
 
 impl Order {
     fn new(context: &MetricContext) -> Self {
-        let path = context.world.road.path(context.world.vehicles[context.vehicle].lane);
+        let path = context.world.path_of(&context.world.vehicles[context.vehicle]);
         let person = &context.world.pedestrians[context.pedestrian];
         Self { pair: pair(context), expected_place: path.met_by(person.start, person.goal) }
     }

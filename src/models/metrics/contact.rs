@@ -343,6 +343,11 @@ fn smallest_inside(
         let person = PedestrianState { position: old.position.lerp(&new.position, part), ..*new };
         distance(&vehicle, &person)
     };
+    least_of(&mut at)
+}
+
+/// The smallest value of a convex function between 0 and 1, and where it has it.
+pub(super) fn least_of(at: &mut dyn FnMut(f64) -> f64) -> (f64, f64) {
     // Still coming nearer at the end: then the end is nearest.
     let end = at(1.0);
     if at(1.0 - 1e-6) >= end {

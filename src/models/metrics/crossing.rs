@@ -143,10 +143,11 @@ struct PedestrianDelay {
 impl PedestrianDelay {
     fn new(context: &MetricContext) -> Self {
         let setup = &context.world.pedestrians[context.pedestrian];
-        let road = &context.world.road;
-        let path = road.path(context.world.vehicles[context.vehicle].lane);
+        let car = &context.world.vehicles[context.vehicle];
+        let (road, path) = (context.world.road_of(car), context.world.path_of(car));
         let way = (setup.start.into(), setup.goal.into());
-        let length = path.way_to_far_edge(way, setup.side, road.lane_width);
+        let side = context.world.crosses_from(setup, car).unwrap_or(setup.side);
+        let length = path.way_to_far_edge(way, side, road.lane_width);
         let free_speed = context.free_speed.filter(|speed| *speed > 0.0);
         Self {
             pair: (context.vehicle, context.pedestrian),

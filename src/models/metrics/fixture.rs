@@ -147,7 +147,7 @@ fn snapshot(world: &World, car: &Profile, walk: &Walk, time: f64) -> Snapshot {
     Snapshot {
         vehicles: vec![VehicleState {
             motion: Longitudinal { travelled, speed, acceleration: 0.0 },
-            path: world.road.path(setup.lane),
+            path: world.path_of(setup),
             length: setup.length,
             width: setup.width,
             steered: None,

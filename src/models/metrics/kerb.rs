@@ -40,9 +40,9 @@ struct KerbContact {
 
 impl KerbContact {
     fn new(context: &MetricContext) -> Self {
-        let (road, setup) = (&context.world.road, &context.world.vehicles[context.vehicle]);
+        let setup = &context.world.vehicles[context.vehicle];
         let axle = if setup.behind > 0.0 { setup.behind } else { REAR_AXLE * setup.length };
-        let edges = setup.path(road).kerbs(road);
+        let edges = context.world.path_of(setup).kerbs(context.world.road_of(setup));
         Self { vehicle: context.vehicle, axle, edges, observed: false, first: None }
     }
 

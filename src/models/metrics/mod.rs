@@ -22,6 +22,7 @@ mod sliding;
 #[cfg(test)]
 mod tests;
 mod travel;
+mod vehicles;
 
 use scenario::Metric;
 
@@ -54,5 +55,9 @@ pub fn metrics() -> Vec<Metric> {
         crossing::crossing_duration(),
         crossing::pedestrian_delay(),
         people::plausibility(),
+        vehicles::vehicle_pet(),
+        vehicles::entered_first(),
+        vehicles::vehicle_ttc(),
+        vehicles::vehicle_distance(),
     ]
 }

@@ -43,8 +43,8 @@ struct RanRed {
 
 impl RanRed {
     fn new(context: &MetricContext) -> Self {
-        let (road, setup) = (&context.world.road, &context.world.vehicles[context.vehicle]);
-        let path = setup.path(road);
+        let setup = &context.world.vehicles[context.vehicle];
+        let (road, path) = (context.world.road_of(setup), context.world.path_of(setup));
         let line = |(along, crossing): (f64, &Crossing)| match crossing.kind {
             CrossingKind::Signalised(signal) => {
                 let before = crossing.width / 2.0 + signal.stop_line + setup.length / 2.0;

@@ -139,6 +139,7 @@ fn build(
 pub fn world() -> World {
     World {
         road: Road::zebra(&[Direction::Forward, Direction::Backward], 30.0 / 3.6),
+        other_roads: Vec::new(),
         vehicles: Vec::new(),
         pedestrians: vec![PedestrianSetup {
             kind: Default::default(),

@@ -49,13 +49,14 @@ fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError>
             "take `careful_human`, or another controller",
         ));
     }
-    if context.world.road.bend.is_some() || context.world.pedestrians.iter().any(aslant) {
+    if context.world.road_of(context.setup).bend.is_some() || context.world.pedestrians.iter().any(aslant) {
         return Err(ModelError::with_hint(
             "`commotions` as a driver knows only people who cross a straight road at a right angle",
             "take `careful_human`, or another controller",
         ));
     }
-    let person = Person::from_settings(context.settings, &context.world.road, context.world.step)?;
+    let person =
+        Person::from_settings(context.settings, context.world.road_of(context.setup), context.world.step)?;
     let vehicle = (context.setup.length, context.setup.width);
     let bodies = context.world.pedestrians.iter().map(|pedestrian| {
         let bodies = Bodies { pedestrian: pedestrian.shape.extents(), vehicle };

@@ -4,8 +4,15 @@ use super::hazard::{Hazard, Ramp, collision_course};
 use super::period::period;
 use super::red_light::{self, RedLight};
 use super::{CommandKind, ControllerContext, ControllerModel};
-use scenario::{Chance, ChoiceOption, Declaration, Dimension, Parameter, SignalConduct};
-use sim::{Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule, SeenPedestrian};
+use nalgebra::Vector2;
+use scenario::{
+    CROSSES, Chance, ChoiceOption, Declaration, Dimension, Parameter, Shape, SignalConduct, Value,
+};
+use sim::geometry::Footprint;
+use sim::{
+    Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule, SeenPedestrian,
+    SeenVehicle,
+};
 
 const IDM: &str = "Treiber & Kesting, Traffic Flow Dynamics (2013), table 11.2, city traffic";
 const ROSEN: &str = "Rosén et al., Accident Analysis & Prevention 42 (2010)";
@@ -30,7 +37,7 @@ pub fn idm_aeb() -> ControllerModel {
 }
 
 /// What is known of it, which is also what `idm_aes` knows.
-pub(super) fn parameters() -> [Parameter; 15] {
+pub(super) fn parameters() -> [Parameter; 16] {
     [
         Parameter::number(
             "time_headway",
@@ -139,6 +146,14 @@ pub(super) fn parameters() -> [Parameter; 15] {
             "Time that it stands with a clear way before it drives on.",
             ASSUMED,
         ),
+        Parameter::flag(
+            "crossing_vehicles",
+            false,
+            "Whether it brakes for vehicles, too, whose way crosses its own, as they come into view; without it, it sees those \
+             in its lane alone.",
+            "Euro NCAP's car-to-car crossing scenarios since 2023 ask for it (remembered); off as the systems that UN R152 describes",
+        )
+        .was(Value::Flag(false)),
         period(),
     ]
 }
@@ -153,10 +168,13 @@ pub(super) struct IdmAeb {
     half_view: f64,
     range: f64,
     margin: f64,
+    crossing_vehicles: bool,
     until_standstill: bool,
     restart_delay: f64,
     /// Since when each pedestrian has been in view, by identity, s.
     in_view_since: Vec<Option<f64>>,
+    /// Since when each vehicle has been.
+    vehicle_since: Vec<Option<f64>>,
     braking: Option<Ramp>,
     /// Since when it has stood with a clear way, s.
     clear_since: Option<f64>,
@@ -233,9 +251,11 @@ impl IdmAeb {
             half_view: settings.number("field_of_view") / 2.0,
             range: settings.number("range"),
             margin: settings.number("margin"),
+            crossing_vehicles: settings.flag("crossing_vehicles"),
             until_standstill: settings.word("release") == "standstill",
             restart_delay: settings.number("restart_delay"),
             in_view_since: vec![None; context.world.pedestrians.len()],
+            vehicle_since: vec![None; context.world.vehicles.len()],
             braking: None,
             clear_since: None,
             last_time: None,
@@ -278,10 +298,45 @@ impl IdmAeb {
         nearest
     }
 
+    /// After which time it touches one of the vehicles that cross its way and have been detected, if both keep their velocities, s.
+    fn crossed_after(&mut self, observation: &Observation) -> Option<f64> {
+        if !self.crossing_vehicles {
+            return None;
+        }
+        let (now, ego) = (observation.time, &observation.ego);
+        let mut since = std::mem::take(&mut self.vehicle_since);
+        for (id, since) in since.iter_mut().enumerate() {
+            let mut seen = observation.vehicles.iter().filter(|seen| seen.id == id);
+            let visible = seen.any(|seen| self.is_visible(ego.length, seen.position));
+            *since = visible.then(|| since.unwrap_or(now));
+        }
+        let detected = |seen: &&SeenVehicle| {
+            since[seen.id].is_some_and(|since| now - since >= self.detection_delay - 1e-9)
+        };
+        let own = Footprint {
+            centre: Vector2::zeros(),
+            heading: Vector2::x(),
+            shape: Shape::Rectangle { length: ego.length, width: ego.width + 2.0 * self.margin },
+        };
+        let times = observation.vehicles.iter().filter(detected).filter_map(|seen| {
+            // Who stands or drives along the lane is followed.
+            let heading = seen.velocity.try_normalize(1e-3).filter(|way| way.y.abs() >= CROSSES)?;
+            let shape = Shape::Rectangle { length: seen.length, width: seen.width };
+            let other = Footprint { centre: seen.position, heading, shape };
+            own.first_contact(&other, seen.velocity - Vector2::new(ego.speed, 0.0))
+        });
+        let nearest = times.reduce(f64::min);
+        self.vehicle_since = since;
+        nearest
+    }
+
     fn in_view(&self, length: f64, seen: &SeenPedestrian) -> bool {
-        let ahead = seen.position.x - length / 2.0;
-        libm::hypot(ahead, seen.position.y) <= self.range
-            && libm::atan2(seen.position.y, ahead).abs() <= self.half_view
+        self.is_visible(length, seen.position)
+    }
+
+    fn is_visible(&self, length: f64, position: Vector2<f64>) -> bool {
+        let ahead = position.x - length / 2.0;
+        libm::hypot(ahead, position.y) <= self.range && libm::atan2(position.y, ahead).abs() <= self.half_view
     }
 }
 
@@ -299,9 +354,10 @@ impl Controller for IdmAeb {
         let for_red = line.map(|gap| self.idm.behind_line(speed, gap)).filter(|found| *found <= cruise);
         cruise = for_red.unwrap_or(cruise);
         let nearest = self.hazard(observation);
-        let hazard = nearest.map(|(_, hazard)| hazard);
+        let hazard = nearest.map(|(_, hazard)| hazard.time_to_collision);
+        let hazard = [hazard, self.crossed_after(observation)].into_iter().flatten().reduce(f64::min);
         let standing = observation.ego.speed == 0.0;
-        if self.braking.is_none() && hazard.is_some_and(|hazard| hazard.time_to_collision <= self.trigger) {
+        if self.braking.is_none() && hazard.is_some_and(|time| time <= self.trigger) {
             self.braking = Some(Ramp::from(observation.ego.acceleration.min(0.0)));
             self.clear_since = None;
         } else if self.braking.is_some() && hazard.is_none() && (standing || !self.until_standstill) {

@@ -136,7 +136,7 @@ enum Stage {
 
 fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError> {
     let (settings, road) = (context.settings, &context.world.road);
-    let path = context.setup.path(road);
+    let path = context.world.path_of(context.setup);
     let boxes = road.boxes.iter().map(|body| {
         let place = path.from_world([body.x, body.y].into());
         // As a rectangle along the lane that holds the box, however it is turned.

@@ -118,7 +118,7 @@ fn with_perception(
     context: &ControllerContext,
     schedule: Schedule,
 ) -> Result<Box<dyn Perception>, ModelError> {
-    let path = context.setup.path(&context.world.road);
+    let path = context.world.path_of(context.setup);
     let occlusion = settings.flag("occlusion");
     let boxes = if occlusion { context.world.road.boxes.as_slice() } else { &[] };
     let world_boxes: Vec<_> = boxes.iter().map(Footprint::from).collect();

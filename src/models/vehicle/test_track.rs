@@ -174,12 +174,14 @@ impl Track {
 pub fn world(length: f64, width: f64) -> World {
     World {
         road: Road::zebra(&[Direction::Forward, Direction::Backward], CRUISE),
+        other_roads: Vec::new(),
         vehicles: vec![VehicleSetup {
             name: "av".into(),
             controller: nobody(),
             dynamics: nobody(),
             length,
             width,
+            road: 0,
             lane: 0,
             speed: CRUISE,
             start: VehicleStart::Distance(100.0),

@@ -1,19 +1,23 @@
 //! A sketch in words: what stands beside the picture, and what of it lies outside.
 
 use super::outlook::{Outlook, Sight, SightKind};
-use scenario::{CrossingKind, Dimension, Direction, Ground, TrafficSignal, VehicleSetup, World, show};
+use scenario::{CrossingKind, Dimension, Direction, Ground, Road, TrafficSignal, VehicleSetup, World, show};
 use sim::Solid;
 
 /// A line for the road, each road user, each meeting and each line of sight that something is on.
 pub(crate) fn facts(world: &World, outlook: &Outlook) -> Vec<String> {
     let mut lines = vec![road(world)];
+    lines.extend(world.other_roads.iter().map(other_road));
     for (setup, car) in world.vehicles.iter().zip(&outlook.cars) {
         let place = -car.motion.travelled;
         let (far, side) = if place >= 0.0 { (place, "before") } else { (-place, "behind") };
         lines.push(format!(
-            "{}: starts {far:.1} m {side} the crossing in lane {}, {}",
+            "{}: starts {far:.1} m {side} {}, {}",
             setup.name,
-            setup.lane,
+            match setup.road {
+                0 => format!("the crossing in lane {}", setup.lane),
+                _ => format!("the junction in lane {} of {}", setup.lane, world.road_of(setup).name),
+            },
             speed(car.motion.speed)
         ));
     }
@@ -48,7 +52,9 @@ pub(crate) fn facts(world: &World, outlook: &Outlook) -> Vec<String> {
         let (first, second) = met.times;
         let place = format!("({:.1}, {:.1}) m", met.point.x, met.point.y);
         lines.push(match met.with {
-            Solid::Vehicle(_) => format!("  {one} runs into {other} at {place} after {first:.2} s"),
+            Solid::Vehicle(before) if world.vehicles[before].road == world.vehicles[met.vehicle].road => {
+                format!("  {one} runs into {other} at {place} after {first:.2} s")
+            }
             _ if met.touches() => format!(
                 "  {one} and {other} meet at {place}: {one} is there after {first:.2} s, {other} after {second:.2} s; their bodies touch"
             ),
@@ -84,10 +90,7 @@ fn road(world: &World) -> String {
         let kind = if median.refuge { "refuge" } else { "median" };
         format!("; {kind} of {:.1} m after lane {}", median.width, median.after)
     });
-    let lanes = road.lanes.iter().map(|lane| match lane.direction {
-        Direction::Forward => "forward",
-        Direction::Backward => "backward",
-    });
+    let lanes = road.lanes.iter().map(|lane| direction(lane.direction));
     let lanes: Vec<_> = lanes.collect();
     let shape = match &road.bend {
         None => "straight road".to_string(),
@@ -101,6 +104,31 @@ fn road(world: &World) -> String {
         medians.collect::<String>(),
         crossings.join("; ")
     )
+}
+
+/// A road that lies over that of the world.
+fn other_road(road: &Road) -> String {
+    let (place, angle) = road.bend.as_ref().map_or((Default::default(), 0.0), |bend| {
+        let pose = bend.line.pose(bend.crossing);
+        (pose.point, pose.heading)
+    });
+    let lanes: Vec<_> = road.lanes.iter().map(|lane| direction(lane.direction)).collect();
+    format!(
+        "{} lies over it, meets it at ({:.1}, {:.1}) m at {:.0}° to x, lanes of {:.2} m from near to far: {}",
+        road.name,
+        place.x,
+        place.y,
+        angle.to_degrees(),
+        road.lane_width,
+        lanes.join(", ")
+    )
+}
+
+fn direction(direction: Direction) -> &'static str {
+    match direction {
+        Direction::Forward => "forward",
+        Direction::Backward => "backward",
+    }
 }
 
 /// A signal, and who does not mind it.

@@ -17,6 +17,6 @@ mod view;
 
 pub use picture::Sketch;
 pub(crate) use plane::Mark;
-pub(crate) use road::{beside, road_marks, stop_lines};
+pub(crate) use road::{beside, stop_lines, world_marks};
 pub use sketch::AfterTheEnd;
 pub(crate) use view::view;

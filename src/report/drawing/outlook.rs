@@ -8,7 +8,9 @@ use scenario::{
 };
 use sim::geometry::Footprint;
 use sim::sight::{covers_part, is_hidden};
-use sim::{Longitudinal, Pedestrian, Solid, VehicleState, beginning, meeting_place, walking_time};
+use sim::{
+    Longitudinal, Pedestrian, Solid, VehicleState, beginning, meeting_place, path_conflicts, walking_time,
+};
 
 /// Everything that is known beforehand.
 pub(crate) struct Outlook {
@@ -108,6 +110,9 @@ impl Outlook {
             }
             for other in 0..world.vehicles.len() {
                 outlook.meetings.extend(outlook.catches(world, vehicle, other));
+                if vehicle < other {
+                    outlook.meetings.extend(outlook.cross(world, vehicle, other));
+                }
             }
         }
         outlook
@@ -115,8 +120,9 @@ impl Outlook {
 
     /// Where a vehicle's path and somebody's way cross, or where it runs into who walks along its lane.
     fn meeting(&self, world: &World, vehicle: usize, pedestrian: usize) -> Option<Meeting> {
-        if !world.pedestrians[pedestrian].crosses(&world.road) {
-            return self.runs_into(world, vehicle, pedestrian);
+        let (who, driven) = (&world.pedestrians[pedestrian], &world.vehicles[vehicle]);
+        if world.crosses_from(who, driven).is_none() {
+            return if driven.road == 0 { self.runs_into(world, vehicle, pedestrian) } else { None };
         }
         let (car, person) = (&self.cars[vehicle], &self.people[pedestrian]);
         let (appears, way) = (person.appears?, person.way()?);
@@ -177,7 +183,8 @@ impl Outlook {
         let (car, before) = (&self.cars[vehicle], &self.cars[other]);
         let gap = before.motion.travelled - car.motion.travelled - (car.length + before.length) / 2.0;
         let closing = car.motion.speed - before.motion.speed;
-        let same = vehicle != other && world.vehicles[vehicle].lane == world.vehicles[other].lane;
+        let on = |index: usize| (world.vehicles[index].road, world.vehicles[index].lane);
+        let same = vehicle != other && on(vehicle) == on(other);
         if !same || gap < 0.0 || closing <= 0.0 {
             return None;
         }
@@ -190,6 +197,26 @@ impl Outlook {
             times: (time, time),
             between: ((time, f64::INFINITY), (time, f64::INFINITY)),
         })
+    }
+
+    /// Where the ways of two vehicles on different roads cross, if both come there.
+    fn cross(&self, world: &World, vehicle: usize, other: usize) -> Vec<Meeting> {
+        if world.vehicles[vehicle].road == world.vehicles[other].road {
+            return Vec::new();
+        }
+        let (car, before) = (&self.cars[vehicle], &self.cars[other]);
+        let comes = |car: &VehicleState, place: f64| (place - car.motion.travelled) / car.motion.speed;
+        let met = path_conflicts(world, vehicle, other).into_iter().map(|met| Meeting {
+            vehicle,
+            with: Solid::Vehicle(other),
+            point: car.path.point(met.places.0),
+            times: (comes(car, met.places.0), comes(before, met.places.1)),
+            between: (
+                (comes(car, met.first.from), comes(car, met.first.to)),
+                (comes(before, met.second.from), comes(before, met.second.to)),
+            ),
+        });
+        met.filter(|met| met.times.0.max(met.times.1) <= world.horizon).collect()
     }
 
     fn sight(&self, world: &World, vehicle: usize, pedestrian: usize) -> Option<Sight> {

@@ -4,7 +4,7 @@ use nalgebra::Vector2;
 
 use super::plane::{Mark, MarkKind, corners};
 use scenario::geometry::CurvedPath;
-use scenario::{CrossingKind, Direction, Road, Side};
+use scenario::{CrossingKind, Direction, Road, Side, World};
 use sim::geometry::Footprint;
 
 /// A chord is no farther than this from the curve that it stands for, m.
@@ -12,6 +12,70 @@ const CHORD_ERROR: f64 = 0.02;
 
 /// From the middle of one stripe to that of the next, m.
 const STRIPES: f64 = 1.0;
+
+/// Lines that end at another road are looked at every so many metres.
+const LOOKS: f64 = 0.1;
+
+/// How far before and behind the point where it meets the other a road is drawn that lies over it, m.
+const OVER: f64 = 250.0;
+
+/// Everything of all roads of a world: of its own between two lines across that, so far (m) along it from the middle of the crossing. Where
+/// roads cross there are no kerbs and no lines between lanes.
+pub(crate) fn world_marks(world: &World, from: f64, to: f64) -> Vec<Mark> {
+    let own = road_marks(&world.road, from, to);
+    if world.other_roads.is_empty() {
+        return own;
+    }
+    let roads: Vec<&Road> = world.roads().collect();
+    let of_others = world.other_roads.iter().map(|road| road_marks(road, -OVER, OVER));
+    let mut marks: Vec<Mark> = Vec::new();
+    // The road below comes last: its crossings and boxes are seen.
+    for (number, found) in of_others.enumerate().map(|(index, found)| (index + 1, found)).chain([(0, own)]) {
+        let others: Vec<&Road> =
+            roads.iter().enumerate().filter(|(index, _)| *index != number).map(|(_, road)| *road).collect();
+        for mark in found {
+            match mark.kind {
+                MarkKind::Kerb | MarkKind::Lane => marks.extend(outside(&mark, &others)),
+                _ => marks.push(mark),
+            }
+        }
+    }
+    marks
+}
+
+/// Whether a point lies on a road.
+pub(crate) fn is_on(road: &Road, point: Vector2<f64>) -> bool {
+    let across = road.across(point);
+    road.kerb(Side::Near) < across && across < road.kerb(Side::Far)
+}
+
+/// What of a line lies on none of some roads.
+fn outside(mark: &Mark, roads: &[&Road]) -> Vec<Mark> {
+    let mut lines: Vec<Vec<Vector2<f64>>> = Vec::new();
+    let mut open = false;
+    for pair in mark.points.windows(2) {
+        let (from, way) = (pair[0], pair[1] - pair[0]);
+        let looks = (way.norm() / LOOKS).ceil().max(1.0) as usize;
+        for look in 0..looks {
+            let at = |index: usize| from + way * (index as f64 / looks as f64);
+            let free = !roads.iter().any(|road| is_on(road, (at(look) + at(look + 1)) / 2.0));
+            match (free, open) {
+                (true, false) => lines.push(vec![at(look), at(look + 1)]),
+                (true, true) => {
+                    // A straight line is drawn by its ends.
+                    let line = lines.last_mut().expect("one is open");
+                    if look > 0 {
+                        line.pop();
+                    }
+                    line.push(at(look + 1));
+                }
+                (false, _) => {}
+            }
+            open = free;
+        }
+    }
+    lines.into_iter().map(|points| Mark::line(mark.kind, points)).collect()
+}
 
 /// Everything of the road between two lines across it, so far (m) along it from the middle of the crossing.
 pub(crate) fn road_marks(road: &Road, from: f64, to: f64) -> Vec<Mark> {
@@ -25,7 +89,8 @@ pub(crate) fn road_marks(road: &Road, from: f64, to: f64) -> Vec<Mark> {
     marks.extend([near, far].map(|offset| Mark::line(MarkKind::Kerb, beside(road, offset, from, to))));
     marks.extend(road.lane_lines().map(|line| Mark::line(MarkKind::Lane, beside(road, line, from, to))));
     marks.extend(road.medians.iter().map(|median| band(MarkKind::Median, road.edges_of(median), (from, to))));
-    for (middle, crossing) in road.crossings() {
+    // Where it meets another, a road that lies over it has something of no width in the place of a crossing.
+    for (middle, crossing) in road.crossings().filter(|(_, crossing)| crossing.width > 0.0) {
         let ends = (middle - crossing.width / 2.0, middle + crossing.width / 2.0);
         // Lines between lanes end at it.
         marks.push(band(MarkKind::Road, (near + 0.1, far - 0.1), ends));

@@ -7,9 +7,10 @@ use super::moment::{Moment, end_of};
 use super::outlook::Outlook;
 use super::picture::{Body, Picture, Sketch, names};
 use super::plane::Frame;
+use super::road::is_on;
 use super::view::view;
 use super::{svg_sketch, text_sketch};
-use scenario::{Case, World};
+use scenario::{Case, Road, World};
 use sim::Trace;
 use sim::geometry::Footprint;
 
@@ -93,15 +94,14 @@ impl Sketch {
     /// the end where none is.
     pub fn strip(case: &Case, trace: &Trace) -> Vec<f64> {
         let cars = case.world.vehicles.len();
-        let middle = case
-            .world
-            .road
-            .bend
-            .as_ref()
-            .map_or(Vector2::zeros(), |bend| bend.line.pose(bend.crossing).point);
+        let origin = |road: &Road| {
+            road.bend.as_ref().map_or(Vector2::zeros(), |bend| bend.line.pose(bend.crossing).point)
+        };
+        let middles: Vec<_> = case.world.roads().map(origin).collect();
         let first = trace.samples.iter().find(|sample| sample.who >= cars).map_or(0.0, |sample| sample.time);
         let mut near = trace.samples.iter().rev().filter(|sample| sample.who < cars);
-        let near = near.find(|sample| (sample.position - middle).norm() <= STRIP_NEAR);
+        let near =
+            near.find(|sample| middles.iter().any(|middle| (sample.position - middle).norm() <= STRIP_NEAR));
         let end = near.map(|sample| sample.time).filter(|time| *time > first).unwrap_or(end_of(trace));
         let part = |index: usize| first + (end - first) * index as f64 / (STRIP - 1) as f64;
         (0..STRIP).map(|index| if index + 1 == STRIP { end } else { part(index) }).collect()
@@ -130,12 +130,16 @@ impl Sketch {
 
 fn arrows(world: &World, frame: &Frame, (from, to): (f64, f64)) -> Vec<(Vector2<f64>, Vector2<f64>)> {
     let mut arrows = Vec::new();
-    for lane in 0..world.road.lanes.len() {
-        let path = world.road.path(lane);
+    let roads: Vec<&Road> = world.roads().collect();
+    let lanes = roads.iter().enumerate().flat_map(|(number, road)| {
+        let others: Vec<&Road> =
+            roads.iter().enumerate().filter(|(other, _)| *other != number).map(|(_, road)| *road).collect();
+        (0..road.lanes.len()).map(move |lane| (*road, lane, others.clone()))
+    });
+    for (road, lane, others) in lanes {
+        let path = road.path(lane);
         let on_a_crossing = |place: f64| {
-            world
-                .road
-                .crossings()
+            road.crossings()
                 .any(|(along, crossing)| (place - path.at_line(along)).abs() <= crossing.width / 2.0 + 2.0)
         };
         let reach = from.abs().max(to.abs());
@@ -143,7 +147,8 @@ fn arrows(world: &World, frame: &Frame, (from, to): (f64, f64)) -> Vec<(Vector2<
         for index in -count..=count {
             let (point, heading) = path.pose(ARROWS * (f64::from(index) + 0.5));
             let place = ARROWS * (f64::from(index) + 0.5);
-            if !on_a_crossing(place) && frame.holds(point) {
+            let crossed = others.iter().any(|other| is_on(other, point));
+            if !on_a_crossing(place) && !crossed && frame.holds(point) {
                 arrows.push((point, heading));
             }
         }

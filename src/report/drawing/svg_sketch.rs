@@ -5,7 +5,7 @@ use nalgebra::Vector2;
 use super::outlook::Outlook;
 use super::picture::{Label, Picture, Sketch, tag};
 use super::plane::{Frame, Mark};
-use super::road::road_marks;
+use super::road::world_marks;
 use crate::svg::{At, Svg, through};
 use scenario::{RoadUserKind, Shape, World};
 use sim::geometry::Footprint;
@@ -94,7 +94,7 @@ fn draw(svg: &mut Svg, sketch: &Sketch, world: &World, picture: &Picture, (top, 
     );
     svg.open("g", &[("clip-path", &clip)]);
     let (from, to) = sketch.reach;
-    for mark in road_marks(&world.road, from, to) {
+    for mark in world_marks(world, from, to) {
         path(svg, mark.kind.class(), &mark, at);
     }
     for (point, heading) in &sketch.arrows {

@@ -47,6 +47,8 @@ fn case(world: World) -> Case {
         scenario: "<walk>".into(),
         variation: Vec::new(),
         individuals: Vec::new(),
+        drawn: Vec::new(),
+        impossible: None,
         repetition: 1,
         seed: 1,
         world: Arc::new(world),

@@ -4,7 +4,7 @@ use nalgebra::Vector2;
 
 use super::picture::{Picture, Sketch};
 use super::plane::{Frame, MarkKind, corners};
-use super::road::{crossing_areas, road_marks};
+use super::road::{crossing_areas, world_marks};
 use files::escape::terminal_line;
 use scenario::World;
 
@@ -198,7 +198,7 @@ fn arrow(heading: Vector2<f64>) -> char {
 
 fn draw(sketch: &Sketch, world: &World, picture: &Picture, columns: usize, rows: usize) -> Canvas {
     let mut canvas = Canvas::new(sketch.frame, columns, rows);
-    let marks = road_marks(&world.road, sketch.reach.0, sketch.reach.1);
+    let marks = world_marks(world, sketch.reach.0, sketch.reach.1);
     for crossing in crossing_areas(&world.road) {
         canvas.fill(&crossing, '░');
     }

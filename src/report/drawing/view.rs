@@ -13,6 +13,9 @@ const NEAR: f64 = 45.0;
 /// Boxes that are farther from it are, too, m.
 const NEAR_BOXES: f64 = 30.0;
 
+/// How much of a road is shown before and behind where it meets another, m.
+const JUNCTION: f64 = 10.0;
+
 /// On every side, m.
 const ROOM: f64 = 2.5;
 
@@ -28,7 +31,12 @@ pub(crate) fn view(
     used.sort_unstable();
     used.dedup();
     let mut points = Vec::new();
-    for number in if used.is_empty() { vec![0] } else { used } {
+    for other in &world.other_roads {
+        points.extend(beside(other, other.kerb(Side::Near), -JUNCTION, JUNCTION));
+        points.extend(beside(other, other.kerb(Side::Far), -JUNCTION, JUNCTION));
+    }
+    // Where nobody walks, the crossing is where nothing happens.
+    for number in if used.is_empty() && points.is_empty() { vec![0] } else { used } {
         let (at, crossing) = road.numbered_crossing(number);
         let (from, to) = (at - crossing.width / 2.0 - 4.0, at + crossing.width / 2.0 + 4.0);
         points.extend(beside(road, road.kerb(Side::Near), from, to));

@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 use serde_json::{Value, json};
 
-use crate::drawing::{Mark, beside, road_marks, stop_lines, view};
+use crate::drawing::{Mark, beside, stop_lines, view, world_marks};
 use crate::replay::describe;
 use files::escape::html_characters;
 use results::Chosen;
@@ -106,7 +106,8 @@ fn run(reports: &[SuiteReport], recording: &Recording, reason: &str) -> Value {
         .bend
         .as_ref()
         .map_or((-250.0, 250.0), |bend| (-bend.crossing - 100.0, bend.line.length() - bend.crossing + 100.0));
-    let is_shown_about_its_crossing = road.bend.is_none() && road.other_crossings.is_empty();
+    let is_shown_about_its_crossing =
+        road.bend.is_none() && road.other_crossings.is_empty() && case.world.other_roads.is_empty();
     let view = (!is_shown_about_its_crossing).then(|| {
         let cars = case.world.vehicles.len();
         let places = |users: &[Vec<Option<results::Place>>]| -> Vec<Vector2<f64>> {
@@ -129,7 +130,7 @@ fn run(reports: &[SuiteReport], recording: &Recording, reason: &str) -> Value {
             "zebra": road.crossing.kind == CrossingKind::Zebra,
             "signal": signal,
             "crossing": road.crossing.width,
-            "marks": road_marks(road, from, to).iter().map(mark).collect::<Vec<_>>(),
+            "marks": world_marks(&case.world, from, to).iter().map(mark).collect::<Vec<_>>(),
             "stop_lines": stop_lines(road).iter().map(|line| line.iter().map(|one| point(*one)).collect::<Vec<_>>()).collect::<Vec<_>>(),
             "lamp": point(beside(road, road.kerb(Side::Near) - 0.9, lamp, lamp)[0]),
             "view": view,
@@ -209,6 +210,8 @@ mod tests {
             scenario: "turn".into(),
             variation: Vec::new(),
             individuals: Vec::new(),
+            drawn: Vec::new(),
+            impossible: None,
             repetition: 1,
             seed: 1,
             world: Arc::new(world),

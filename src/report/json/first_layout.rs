@@ -253,6 +253,7 @@ impl GateOfSuite {
         let rule = |text: &String| GateRule {
             metric: None,
             tolerance: Tolerance::Absolute(0.0),
+            primary: false,
             confidence: 1.0,
             text: text.clone(),
             notation: None,

@@ -398,6 +398,9 @@ pub(super) fn outcome_value(outcome: &Outcome, requests: &Requests) -> Value {
         "metrics": metrics,
         "fingerprint": format!("{:016x}", outcome.fingerprint),
     });
+    if !outcome.drawn.is_empty() {
+        value["drawn"] = plain(&outcome.drawn);
+    }
     if !open.is_empty() {
         value["open"] = open.into();
     }

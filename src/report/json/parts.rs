@@ -13,7 +13,7 @@ use results::{
     ByMetric, Critical, CutOff, Finding, GateState, GateVerdict, Horizon, NotJudged, Outcome, Refusal,
     Requests, RunFault, RunsTaken, TrialVerdict, Verdict,
 };
-use scenario::{FaultKind, Individual, Origin, ProgramFault};
+use scenario::{Draw, FaultKind, Individual, Origin, ProgramFault};
 use sim::Ending;
 use sim::measure::{Open, Presence};
 
@@ -24,6 +24,8 @@ pub(super) struct Run {
     #[serde(with = "json::whole")]
     pub seed: u64,
     individuals: Vec<Individual>,
+    #[serde(default)]
+    drawn: Vec<Draw>,
     ending: Ending,
     pub metrics: Map<String, Value>,
     #[serde(default)]
@@ -71,6 +73,7 @@ impl Run {
             key: self.key,
             seed: self.seed,
             individuals: self.individuals,
+            drawn: self.drawn,
             ending: self.ending,
             metrics,
             critical: record.critical,

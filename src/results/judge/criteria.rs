@@ -74,13 +74,18 @@ pub(super) fn find(criterion: &Criterion, evidence: &Evidence) -> Finding {
     if criterion.claim.confidence().is_none() {
         return found(criterion, evidence);
     }
+    if criterion.reach.drawn_people {
+        // Each run is of somebody else, drawn with replacement: of all people, and independent of the others.
+        let regarding = Regarding { whom: People::All, people: evidence.outcomes.len(), drawn: true };
+        return Finding { people: Some(regarding), ..found(criterion, evidence) };
+    }
     let whose = whose(evidence.outcomes);
     let people = whose.iter().max().map_or(0, |last| last + 1);
     let named = evidence.outcomes.iter().any(|outcome| !outcome.individuals.is_empty());
     let whom = criterion.reach.people.unwrap_or(People::These);
     let bounds = if whom == People::All { Bounds::People(&whose) } else { evidence.bounds };
     Finding {
-        people: named.then_some(Regarding { whom, people }),
+        people: named.then_some(Regarding { whom, people, drawn: false }),
         ..found(criterion, &Evidence { bounds, ..*evidence })
     }
 }

@@ -31,7 +31,7 @@ impl Horizon {
 }
 
 /// Metrics that are what was seen so far at any time, and that what comes later may make worse.
-const EXTREMES: [&str; 11] = [
+const EXTREMES: [&str; 13] = [
     "collision",
     "impact_speed",
     "min_distance",
@@ -43,6 +43,8 @@ const EXTREMES: [&str; 11] = [
     "max_jerk",
     "rms_jerk",
     "lateral_acceleration",
+    "vehicle_distance",
+    "vehicle_ttc",
 ];
 
 /// Says of each finding in how many runs the end of what it is about was not seen, because the horizon or somebody else's contact
@@ -77,7 +79,8 @@ pub(super) fn cut_off_of(reference: &MetricReference, outcome: &Outcome) -> bool
     let Some(metric) = reference.known() else { return false };
     let is_extreme = EXTREMES.contains(&reference.name());
     let of_vehicle = metric.scope == Scope::Vehicle;
-    let meets = matches!(metric.scope, Scope::Pair | Scope::Contact) || (of_vehicle && is_extreme);
+    let meets =
+        matches!(metric.scope, Scope::Pair | Scope::Contact | Scope::Vehicles) || (of_vehicle && is_extreme);
     let concerns = |one: &str, two: &str| {
         reference.pair.as_ref().is_none_or(|(car, other)| {
             (car == one && (of_vehicle || reference.is_of(two)))
@@ -156,6 +159,7 @@ mod tests {
                 key: format!("a/b/rep={run}"),
                 seed: 1,
                 individuals: Vec::new(),
+                drawn: Vec::new(),
                 ending: Ending { reason, time: 24.0 },
                 metrics: vec![(!is_late).then_some(2.0 + 0.001 * run as f64)],
                 critical: Default::default(),
@@ -251,6 +255,7 @@ mod tests {
                     key: String::new(),
                     seed: 1,
                     individuals: Vec::new(),
+                    drawn: Vec::new(),
                     ending: Ending { reason: StopReason::Completed, time: 24.0 },
                     metrics: vec![(!late).then_some(*value)],
                     critical: Default::default(),

@@ -89,7 +89,7 @@ impl<'c> Limits<'c> {
             (_, MetricKind::Category(words)) => (0.0, words.len() as f64 - 1.0),
             _ => (f64::NEG_INFINITY, f64::INFINITY),
         });
-        let of_one = matches!(metric.scope, Scope::Vehicle | Scope::Contact);
+        let of_one = matches!(metric.scope, Scope::Vehicle | Scope::Vehicles | Scope::Contact);
         let is_word = matches!(metric.kind, MetricKind::Category(_));
         let unit = match &metric.kind {
             MetricKind::Quantity(scenario::Dimension::NUMBER) => String::new(),
@@ -259,7 +259,7 @@ mod tests {
     fn of(claim: Claim) -> Criterion {
         let reference = claim.metric();
         let limits = reference.known().and_then(|known| known.limits(&reference.settings, LONGEST));
-        let reach = Reach { people: None, limits };
+        let reach = Reach { limits, ..Reach::default() };
         Criterion { claim, when: Vec::new(), text: String::new(), reach, origin: Origin::default() }
     }
 

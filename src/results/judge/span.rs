@@ -246,6 +246,7 @@ mod tests {
             key: String::new(),
             seed: 1,
             individuals: Vec::new(),
+            drawn: Vec::new(),
             ending: Ending { reason: StopReason::Horizon, time: 24.0 },
             metrics: vec![if open.is_some() { None } else { run.so_far }],
             critical: Default::default(),

@@ -47,11 +47,14 @@ fn vacuity(criterion: &Criterion, outcomes: &[Outcome]) -> Option<Vacuity> {
     };
     let nobody = |did: fn(&Presence) -> bool| presences().next().is_some() && !presences().any(did);
     let scope = reference.known().map(|metric| metric.scope);
-    let needs_entry = scope.is_some_and(|scope| scope != Scope::Vehicle);
+    let needs_entry = scope.is_some_and(|scope| !matches!(scope, Scope::Vehicle | Scope::Vehicles));
     let needs_meeting = matches!(scope, Some(Scope::Pair | Scope::Contact))
         && !OF_CROSSING.contains(&reference.name())
         && !keeps_apart(&criterion.claim);
-    if nobody(|presence| presence.appeared) {
+    if scope == Some(Scope::Vehicles) {
+        // Of two vehicles the metrics themselves say that they do not exist where these never meet.
+        None
+    } else if nobody(|presence| presence.appeared) {
         Some(Vacuity::NobodyAppeared)
     } else if needs_entry && nobody(|presence| presence.entered) {
         Some(Vacuity::NobodyEntered)
@@ -118,6 +121,7 @@ mod tests {
             key: "a/b/rep=1".into(),
             seed: 1,
             individuals: Vec::new(),
+            drawn: Vec::new(),
             ending: Ending { reason: StopReason::Completed, time: 10.0 },
             metrics: requests.iter().map(|_| value).collect(),
             critical: Default::default(),

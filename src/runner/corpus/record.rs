@@ -45,7 +45,8 @@ pub fn record(case: &Case, outcome: &Outcome, against: Vec<String>) -> Recorded 
         key: case.key.clone(),
         scenario: case.scenario.clone(),
         seed: case.seed,
-        variation: case.variation.clone(),
+        // With what was drawn, which is then no matter of a distribution that may have changed.
+        variation: case.variation.iter().cloned().chain(case.drawn_values()).collect(),
         people: case.individuals.iter().map(person).collect(),
         case: case_hash(case),
         fingerprint: outcome.fingerprint,

@@ -60,9 +60,10 @@ impl Context<'_> {
             |trial: plan::PlannedTrial| trial.cases.iter().take(trial.certain_runs()).collect::<Vec<_>>();
         let cases = planned.trials().flat_map(certain);
         let saved = cases.map(|case| SavedCase {
+            // With what was drawn, which is part of the case: other seeds are other noise.
+            variation: case.variation.iter().cloned().chain(case.drawn_values()).collect(),
             key: case.key,
             scenario: case.scenario,
-            variation: case.variation,
             settings: Vec::new(),
             individuals: case.individuals,
             seed: case.seed,

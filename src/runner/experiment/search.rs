@@ -335,7 +335,7 @@ impl Under<'_> {
         let saved = cases.iter().zip(values).map(|(case, value)| SavedCase {
             key: case.key.clone(),
             scenario: case.scenario.clone(),
-            variation: case.variation.clone(),
+            variation: case.variation.iter().cloned().chain(case.drawn_values()).collect(),
             settings: settings.clone(),
             individuals: case.individuals.clone(),
             seed: case.seed,

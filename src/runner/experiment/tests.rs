@@ -55,6 +55,7 @@ fn scenario() -> Scenario {
         bend: None,
         ground: None,
         other_crossings: Vec::new(),
+        other_roads: Vec::new(),
         signal: None,
         vehicles: vec![Vehicle {
             name: "av".into(),
@@ -68,6 +69,7 @@ fn scenario() -> Scenario {
             follows: Default::default(),
             speed: (30.0 / 3.6).into(),
             start: DeclaredVehicleStart::Automatic,
+            road: None,
             lane: 0,
             sees: None,
             obeys_signals: None,
@@ -115,6 +117,7 @@ fn scenario() -> Scenario {
         finish: 60.0,
         end_on_collision: true,
         written: Default::default(),
+        draws: Vec::new(),
         origin: Origin::default(),
     }
 }

@@ -191,7 +191,7 @@ impl Checker<'_> {
         within("width", setup.width, limits::SIZE)?;
         within("speed", setup.speed, limits::VEHICLE_SPEED)?;
         within("follows", setup.behind, limits::BEHIND)?;
-        if setup.lane >= world.road.lanes.len() {
+        if setup.lane >= world.road_of(setup).lanes.len() {
             let message = format!("the road has no lane {} for vehicle `{name}`", setup.lane);
             return Err(PlanError::new(own, message).with_hint("lanes count from 0"));
         }
@@ -236,13 +236,14 @@ impl Checker<'_> {
             }
         }
         let at = road.numbered_crossing(setup.crossing).0;
-        let beyond = |car: &&VehicleSetup| setup.crossing > 0 && car.path(road).at_line(at) > world.finish;
+        let beyond =
+            |car: &&VehicleSetup| setup.crossing > 0 && world.path_of(car).at_line(at) > world.finish;
         if let Some(car) = world.vehicles.iter().find(beyond) {
             let message = format!(
                 "the crossing that {kind} `{name}` uses lies behind the finish line of vehicle `{}`, which may never come to it",
                 car.name
             );
-            let beyond = show(car.path(road).at_line(at).ceil() + 20.0, None, Dimension::LENGTH);
+            let beyond = show(world.path_of(car).at_line(at).ceil() + 20.0, None, Dimension::LENGTH);
             return Err(PlanError::new(own, message).with_hint(format!("say `finish {beyond}`")));
         }
         // Where else somebody walks was checked where it was put into the plane.

@@ -24,9 +24,22 @@ use scenario::{
 pub fn select(seed: u64, scenario: &Scenario) -> Result<Vec<Vec<Individual>>, PlanError> {
     let mut chosen: Vec<(&DeclaredPedestrian, &Individuals, Vec<Individual>)> = Vec::new();
     for pedestrian in &scenario.pedestrians {
-        if let Some(individuals) = &pedestrian.individuals {
+        let taken = pedestrian.individuals.as_ref().filter(|one| one.selection != PopulationShare::Drawn);
+        if let Some(individuals) = taken {
             chosen.push((pedestrian, individuals, choose(seed, pedestrian, individuals)?));
         }
+    }
+    if let Some((pedestrian, individuals, _)) = chosen.iter().find(|(_, _, people)| people.len() > 1)
+        && scenario.draws_people()
+    {
+        let message = format!(
+            "`{}` is one of several people again and again, but others are drawn anew in every run",
+            pedestrian.name
+        );
+        return Err(PlanError::new(&individuals.origin, message).with_hint(format!(
+            "draw this one too: `individuals drawn from {}`, or take one person: `individual 17 of …`",
+            individuals.population
+        )));
     }
     let groups = chosen.iter().map(|(_, _, people)| people.len()).max().unwrap_or(1);
     for (pedestrian, individuals, people) in &chosen {
@@ -55,6 +68,8 @@ fn choose(
     let key =
         |who: &str| derive_seed(seed, &format!("individuals/{who}/{}", file_name(&individuals.population)));
     let numbers: Vec<usize> = match (individuals.selection.clone(), &pedestrian.group) {
+        // Nobody is chosen before the runs.
+        (PopulationShare::Drawn, _) => return Ok(Vec::new()),
         (PopulationShare::All, None) => (1..=people.len()).collect(),
         (PopulationShare::Number(number), None) => vec![number as usize],
         (PopulationShare::Count(count), None) => draw(count as usize, people.len(), key(&pedestrian.name)),
@@ -64,7 +79,7 @@ fn choose(
                 PopulationShare::Count(count) => count as usize,
                 PopulationShare::All if people.len().is_multiple_of(size) => people.len() / size,
                 PopulationShare::All => 0,
-                PopulationShare::Number(_) => usize::from(size == 1),
+                PopulationShare::Number(_) | PopulationShare::Drawn => usize::from(size == 1),
             };
             if each == 0 || each * size > people.len() {
                 return Err(too_few(group, size, each, individuals, people.len()));
@@ -93,7 +108,7 @@ fn choose(
         let asked = match individuals.selection {
             PopulationShare::Number(number) => format!("no individual {number}"),
             PopulationShare::Count(count) => format!("not {count} individuals"),
-            PopulationShare::All => "nobody".to_string(),
+            PopulationShare::All | PopulationShare::Drawn => "nobody".to_string(),
         };
         let message = format!(
             "the population `{}` has {asked}: there are {}, numbered from 1",
@@ -112,7 +127,7 @@ fn too_few(group: &str, size: usize, each: usize, individuals: &Individuals, kno
         PopulationShare::Number(number) => {
             format!("individual {number} is one person, and the group `{group}` is {size}")
         }
-        PopulationShare::All => {
+        PopulationShare::All | PopulationShare::Drawn => {
             format!(
                 "the {known} people of `{population}` cannot be shared out in groups of {size}, as `{group}` is: {} are left over",
                 known % size
@@ -305,6 +320,7 @@ mod tests {
             bend: None,
             ground: None,
             other_crossings: Vec::new(),
+            other_roads: Vec::new(),
             signal: None,
             vehicles: Vec::new(),
             pedestrians,
@@ -318,6 +334,7 @@ mod tests {
             finish: 20.0,
             end_on_collision: true,
             written: Default::default(),
+            draws: Vec::new(),
             origin: Origin::default(),
         }
     }

@@ -5,6 +5,8 @@ use std::collections::HashSet;
 use std::ops::Deref;
 use std::sync::{Arc, OnceLock};
 
+use super::drawable::{CutOffDraw, DrawnTrial};
+use super::draws::{DrawAxis, DrawnRun, RunDraws};
 use super::error::PlanError;
 use super::individuals::{label, select};
 use super::sampling::digest;
@@ -12,13 +14,21 @@ use super::setup;
 use super::variables::{Variables, criteria, variables};
 use super::variation::Combinations;
 use numbers::random::derive_seed;
-use scenario::{Assignment, Case, Criterion, Individual, Rounds, RunBudget, Scenario, Suite, Trial, World};
+use scenario::{
+    Assignment, Case, Criterion, DeclaredDraw, Individual, Rounds, RunBudget, Scenario, Suite, Trial, World,
+};
 
 /// More runs than this in one suite are taken for a mistake.
 const MOST_RUNS: usize = 10_000_000;
 
 /// More combinations than this are not tried out before a run.
 const MOST_PROBES: usize = 10_000;
+
+/// Of drawn runs so many stand for all where worlds are looked at.
+const WORLDS_OF_DRAWN: usize = 64;
+
+/// Stands before the coordinates in the name of a run that is at a point of its own.
+const AT_POINT: &str = "/u=";
 
 /// A trial before its runs are worked out: what it is called, how many runs it has, what is asked of them.
 #[derive(Debug, Clone, PartialEq)]
@@ -43,6 +53,8 @@ struct Common {
     seed: u64,
     /// The groups of people that every trial is run with.
     people: Vec<Vec<Individual>>,
+    /// What is drawn in every run, if anything is.
+    draws: Option<RunDraws>,
     combinations: Combinations<'static>,
     rounds: Option<Rounds>,
     /// Of a trial.
@@ -94,6 +106,7 @@ struct Planned {
 impl ScenarioPlan {
     fn new(suite: &Suite, scenario: &Scenario) -> Result<Self, PlanError> {
         let people = select(suite.seed, scenario)?;
+        let draws = RunDraws::of(scenario, &Variables::new(), &[])?;
         let owned = Cow::Owned(scenario.clone());
         let combinations = Combinations::new(suite.seed, owned, Variables::new())?;
         let budget = scenario.runs.as_ref();
@@ -108,7 +121,7 @@ impl ScenarioPlan {
             );
         }
         let (suite, seed) = (suite.name.clone(), suite.seed);
-        Ok(Self(Arc::new(Common { suite, seed, people, combinations, rounds, runs })))
+        Ok(Self(Arc::new(Common { suite, seed, people, draws, combinations, rounds, runs })))
     }
 
     /// How many trials there are.
@@ -272,14 +285,105 @@ impl Cases {
         (first..self.len()).map(|index| self.get(index))
     }
 
+    /// The name of the run with this index.
+    pub fn key(&self, index: usize) -> String {
+        match &self.0 {
+            Source::Planned(planned) => planned.key(index).0,
+            Source::Listed(listed) => listed[index].key.clone(),
+        }
+    }
+
+    /// What is drawn in every run: the axes of the points that runs are at. None where nothing is.
+    pub fn axes(&self) -> Vec<DrawAxis> {
+        match &self.0 {
+            Source::Planned(Planned { of, .. }) => {
+                of.0.draws.as_ref().map_or_else(Vec::new, |draws| draws.axes(of.scenario()))
+            }
+            Source::Listed(_) => Vec::new(),
+        }
+    }
+
+    /// Whether every run draws something.
+    pub fn are_drawn(&self) -> bool {
+        !self.axes().is_empty()
+    }
+
+    /// The point of the run with this index: one coordinate an axis, each uniform between 0 and 1 whatever is drawn with it, and
+    /// independent of the others. [`Self::at`] that point is the run.
+    ///
+    /// # Errors
+    /// If what is drawn is not possible.
+    pub fn point(&self, index: usize) -> Result<Vec<f64>, PlanError> {
+        match &self.0 {
+            Source::Planned(planned) => match planned.drawn(index) {
+                Some(drawn) => drawn.map(|(point, _)| point),
+                None => Ok(Vec::new()),
+            },
+            Source::Listed(_) => Ok(Vec::new()),
+        }
+    }
+
+    /// The run with this index, drawn as at `point`: with that run's seed, so that at its own point it is the same bit for bit, and named
+    /// after the point, so that it can be made again. Points that are drawn with another density than 1 weigh 1 / density.
+    ///
+    /// # Errors
+    /// If there is no such run.
+    ///
+    /// # Panics
+    /// If the point does not have one coordinate an axis, each between 0 and 1.
+    pub fn at(&self, index: usize, point: &[f64]) -> Result<Case, PlanError> {
+        assert_eq!(point.len(), self.axes().len(), "a point has one coordinate an axis");
+        assert!(point.iter().all(|share| *share > 0.0 && *share < 1.0), "{point:?} is not between 0 and 1");
+        let case = self.get(index);
+        let Source::Planned(planned) = &self.0 else { return Ok(case) };
+        let Some(draws) = &planned.of.0.draws else { return Ok(case) };
+        let coordinates: Vec<_> = point.iter().map(f64::to_string).collect();
+        let key = format!("{}{AT_POINT}{}", case.key, coordinates.join(","));
+        let variables = variables(&planned.trial.variation);
+        let run = draws.at(planned.of.scenario(), &variables, planned.fixed(index), point);
+        let DrawnRun { drawn, individuals, world } = run.map_err(|error| error.in_case(&key))?;
+        Ok(Case { key, drawn, individuals, world, impossible: None, ..case })
+    }
+
+    /// The run of that name, be it [at a point](Self::at) of its own.
+    pub fn named(&self, key: &str) -> Option<Case> {
+        let (run, point) = key.split_once(AT_POINT).map_or((key, None), |(run, point)| (run, Some(point)));
+        let index = (0..self.len()).find(|index| self.key(*index) == run)?;
+        let Some(point) = point else { return Some(self.get(index)) };
+        let point: Vec<f64> = point.split(',').map(|share| share.parse().ok()).collect::<Option<_>>()?;
+        let is_point =
+            point.len() == self.axes().len() && point.iter().all(|share| *share > 0.0 && *share < 1.0);
+        if is_point { self.at(index, &point).ok() } else { None }
+    }
+
+    /// The run in the middle of all that is drawn, by the name and seed of the first; `None` where nothing is drawn.
+    pub fn middle(&self) -> Option<Case> {
+        let Source::Planned(planned) = &self.0 else { return None };
+        planned.of.0.draws.as_ref()?;
+        let DrawnRun { drawn, individuals, world } = planned.middle(0);
+        Some(Case { drawn, individuals, world, impossible: None, ..self.get(0) })
+    }
+
+    /// What is declared to be drawn in every run, without people.
+    pub fn declared_draws(&self) -> &[DeclaredDraw] {
+        match &self.0 {
+            Source::Planned(planned) => &planned.of.scenario().draws,
+            Source::Listed(_) => &[],
+        }
+    }
+
     /// The first run.
     pub fn first(&self) -> Case {
         self.get(0)
     }
 
-    /// The world of each group of people: those of all runs, each once.
+    /// The world of each group of people: those of all runs, each once. Where runs are drawn each has its own, and those of the first
+    /// stand for all.
     pub fn worlds(&self) -> Vec<Arc<World>> {
         match &self.0 {
+            Source::Planned(_) if self.are_drawn() => {
+                (0..self.len().min(WORLDS_OF_DRAWN)).map(|run| self.get(run).world).collect()
+            }
             Source::Planned(planned) => (0..planned.people).map(|who| planned.world(who)).collect(),
             Source::Listed(listed) => {
                 let mut worlds: Vec<Arc<World>> = Vec::new();
@@ -294,9 +398,16 @@ impl Cases {
     }
 
     /// Works out all worlds, to `keep` them or to see that they are possible.
-    fn check(&self, keep: bool) -> Result<(), PlanError> {
+    fn check(&self, keep: bool, everybody: bool) -> Result<(), PlanError> {
         let Source::Planned(planned) = &self.0 else { return Ok(()) };
         for who in 0..planned.people {
+            let people = &planned.of.0.people[who];
+            if let Some(draws) = &planned.of.0.draws {
+                let (scenario, variables) = (planned.of.scenario(), variables(&planned.trial.variation));
+                let trial = DrawnTrial { draws, scenario, variables: &variables, fixed: people };
+                trial.check(everybody && who == 0).map_err(|error| error.in_case(&planned.trial.key))?;
+                continue;
+            }
             let world = planned.resolve(who)?;
             if keep {
                 planned.worlds[who].get_or_init(|| world);
@@ -307,27 +418,62 @@ impl Cases {
 }
 
 impl Planned {
-    fn case(&self, index: usize) -> Case {
+    /// Who walks in a run, and which of their runs it is, from 1.
+    fn place(&self, index: usize) -> (usize, u32) {
         let (who, repetition) = if self.in_rounds {
             (index % self.people, index / self.people)
         } else {
             (index / self.repetitions, index % self.repetitions)
         };
+        (who, repetition as u32 + 1)
+    }
+
+    /// The name of a run, and its seed.
+    fn key(&self, index: usize) -> (String, u64) {
         let (scenario, Common { seed, people, .. }) = (self.of.scenario(), &*self.of.0);
-        let repetition = repetition as u32 + 1;
+        let (who, repetition) = self.place(index);
         let key = format!("{}{}/rep={repetition}", self.trial.key, label(&people[who]));
-        Case {
-            seed: match scenario.seed {
-                Some(seed) if repetition == 1 => seed,
-                own => derive_seed(own.unwrap_or(*seed), &key),
-            },
-            key,
-            scenario: scenario.name.clone(),
-            variation: self.trial.variation.clone(),
-            individuals: people[who].clone(),
-            repetition,
-            world: self.world(who),
-        }
+        let seed = match scenario.seed {
+            Some(seed) if repetition == 1 => seed,
+            own => derive_seed(own.unwrap_or(*seed), &key),
+        };
+        (key, seed)
+    }
+
+    /// Those of a run who are the same in others.
+    fn fixed(&self, index: usize) -> &[Individual] {
+        &self.of.0.people[self.place(index).0]
+    }
+
+    /// What a run draws, with its point; `None` where nothing is drawn.
+    fn drawn(&self, index: usize) -> Option<Result<(Vec<f64>, DrawnRun), PlanError>> {
+        let draws = self.of.0.draws.as_ref()?;
+        let (scenario, variables) = (self.of.scenario(), variables(&self.trial.variation));
+        Some(draws.run(scenario, &variables, self.fixed(index), self.key(index).1))
+    }
+
+    fn case(&self, index: usize) -> Case {
+        let (who, repetition) = self.place(index);
+        let (key, seed) = self.key(index);
+        let (impossible, DrawnRun { drawn, individuals, world }) = match self.drawn(index) {
+            None => {
+                let (individuals, world) = (self.fixed(index).to_vec(), self.world(who));
+                (None, DrawnRun { drawn: Vec::new(), individuals, world })
+            }
+            Some(Ok((_, run))) => (None, run),
+            // Whoever is to make it says so: it must not be missing among the others, which would then be others.
+            Some(Err(error)) => (Some(error.message), self.middle(who)),
+        };
+        let (scenario, variation) = (self.of.scenario().name.clone(), self.trial.variation.clone());
+        Case { key, scenario, variation, drawn, impossible, individuals, repetition, seed, world }
+    }
+
+    /// A run in the middle of all that is drawn.
+    fn middle(&self, who: usize) -> DrawnRun {
+        let (common, variables) = (&*self.of.0, variables(&self.trial.variation));
+        let draws = common.draws.as_ref().expect("something is drawn");
+        let run = draws.at(self.of.scenario(), &variables, &common.people[who], &draws.middle());
+        run.expect("it was planned before")
     }
 
     fn world(&self, who: usize) -> Arc<World> {
@@ -360,8 +506,22 @@ pub fn outline(
 pub fn plan_scenario(suite: &Suite, scenario: &Scenario) -> Result<ScenarioPlan, PlanError> {
     let plan = ScenarioPlan::new(suite, scenario)?;
     plan.outlines().try_for_each(|outline| outline.map(|_| ()))?;
-    (0..plan.len()).try_for_each(|index| plan.planned(index, Part::Everybody)?.cases.check(false))?;
+    (0..plan.len())
+        .try_for_each(|index| plan.planned(index, Part::Everybody)?.cases.check(false, index == 0))?;
     Ok(plan)
+}
+
+/// What of the draws of a scenario is left out since it cannot be run, as the first trial shows.
+///
+/// # Errors
+/// If the scenario cannot be planned.
+pub fn cut_off_draws(suite: &Suite, scenario: &Scenario) -> Result<Vec<CutOffDraw>, PlanError> {
+    let plan = ScenarioPlan::new(suite, scenario)?;
+    let Some(draws) = &plan.0.draws else { return Ok(Vec::new()) };
+    let variables = variables(&plan.0.combinations.get(0)?);
+    let trial = DrawnTrial { draws, scenario, variables: &variables, fixed: &plan.0.people[0] };
+    trial.check(false)?;
+    Ok(trial.cut_off())
 }
 
 /// A few runs of a scenario that show what can be wrong with all of them: the first person in every combination of
@@ -375,7 +535,7 @@ pub fn probe_scenario(suite: &Suite, scenario: &Scenario) -> Result<Vec<PlannedT
     let probe = |index| {
         let part = if index == 0 { Part::Everybody } else { Part::First };
         let trial = plan.planned(index, part)?;
-        trial.cases.check(true)?;
+        trial.cases.check(true, index == 0)?;
         Ok(trial)
     };
     (0..plan.len().min(MOST_PROBES)).map(probe).collect()

@@ -41,7 +41,7 @@ pub(super) fn meet(scenario: &Scenario, variables: &Variables, world: &mut World
         };
         let after = number(after, variables, &said)?;
         check_way_walked(scenario, declared, after, &said)?;
-        let (path, setup) = (world.vehicles[car].path(&world.road), &mut world.pedestrians[index]);
+        let (path, setup) = (world.path_of(&world.vehicles[car]), &mut world.pedestrians[index]);
         // Who walks along the lane is at that place across it all the time.
         let beyond = world.vehicles[car].width * (share - 0.5);
         let y = path.point(0.0).y + setup.side.walking_sign() * beyond;
@@ -93,7 +93,7 @@ fn meeting_along(
     let Some(time) = alone(world, setup, after, &scenario.pedestrians[person].model.origin)? else {
         return Err(never_walks(setup, other, after, said));
     };
-    let path = car.path(&world.road);
+    let path = world.path_of(car);
     let ahead = path.heading(0.0).x * (setup.goal.x - setup.start.x).signum();
     let walked = ahead * after;
     let (long, _) = setup.shape.extents();
@@ -138,7 +138,7 @@ fn in_time(
 ) -> Result<Appearance, PlanError> {
     let (setup, car) = (&world.pedestrians[person], &world.vehicles[vehicle]);
     let (name, kind) = (&setup.name, setup.kind.word());
-    let (other, path) = (&car.name, car.path(&world.road));
+    let (other, path) = (&car.name, world.path_of(car));
     let latest = place - time * car.speed - car.length / 2.0;
     let starts = match car.start {
         // As far out as they need it.
@@ -170,7 +170,7 @@ fn meeting(
     if car.speed <= 0.0 {
         return Err(stands(other, said));
     }
-    let path = car.path(&world.road);
+    let path = world.path_of(car);
     let straight = path.course().is_none() && setup.start.x == setup.goal.x;
     // How far the pedestrian walks, and the place of the vehicle's front then: where it comes to the near flank.
     let (way, flank) = if straight {

@@ -1,8 +1,11 @@
 //! From a checked suite to its trials and cases: variations, individuals, repetitions and seeds.
 
 mod check;
+mod drawable;
+mod draws;
 mod error;
 mod individuals;
+mod junctions;
 mod lazily;
 mod meeting;
 mod overlap;
@@ -19,10 +22,12 @@ use std::sync::Arc;
 
 use scenario::{Assignment, Case, Individual, Scenario, Suite};
 
+pub use draws::DrawAxis;
+use draws::RunDraws;
 pub use error::PlanError;
 pub use individuals::{label as people_label, select as select_people};
 pub use lazily::{Cases, PlannedTrial, ScenarioPlan, plan_scenario};
-pub(crate) use lazily::{Outline, outline, probe_scenario};
+pub(crate) use lazily::{Outline, cut_off_draws, outline, probe_scenario};
 pub use standalone::standalone;
 pub(crate) use unobserved::people_used;
 pub use variables::{Variables, criteria, variables};
@@ -110,7 +115,8 @@ pub fn plan(suite: &Suite) -> Result<Plan, Vec<PlanError>> {
     }
 }
 
-/// One run of a scenario in which these variations have their values and these people walk.
+/// One run of a scenario in which these variations have their values and these people walk. What the scenario draws besides comes from
+/// the run's seed; a draw that has a value among the variations is not drawn.
 pub fn concrete_case(
     scenario: &Scenario,
     key: String,
@@ -119,7 +125,18 @@ pub fn concrete_case(
     repetition: u32,
     seed: u64,
 ) -> Result<Case, PlanError> {
-    let world = setup::world(scenario, &variables(&variation), &individuals);
-    let world = Arc::new(world.map_err(|error| error.in_case(&key))?);
-    Ok(Case { key, scenario: scenario.name.clone(), variation, individuals, repetition, seed, world })
+    let values = variables(&variation);
+    let (drawn, individuals, world) = match RunDraws::of(scenario, &values, &individuals)? {
+        Some(draws) => {
+            let run =
+                draws.run(scenario, &values, &individuals, seed).map_err(|error| error.in_case(&key))?;
+            (run.1.drawn, run.1.individuals, run.1.world)
+        }
+        None => {
+            let world = setup::world(scenario, &values, &individuals).map_err(|error| error.in_case(&key))?;
+            (Vec::new(), individuals, Arc::new(world))
+        }
+    };
+    let scenario = scenario.name.clone();
+    Ok(Case { key, scenario, variation, drawn, impossible: None, individuals, repetition, seed, world })
 }

@@ -8,8 +8,8 @@ use super::variables::{Variables, number};
 use scenario::geometry::{CurvedPath, GeometryError, Piece, Pose, ReferenceLine};
 use scenario::limits::{self, Limit};
 use scenario::{
-    Bend, BendRadius, Crossing, CrossingKind, DeclaredBend, DeclaredPedestrian, Dimension, Direction,
-    Expression, Ground, Origin, PieceKind, Position, Road, Scenario, Side, SignalError, show,
+    Bend, BendRadius, Crossing, CrossingKind, DeclaredGround, DeclaredPedestrian, DeclaredPiece, Dimension,
+    Direction, Expression, Ground, Origin, PieceKind, Position, Road, Scenario, Side, SignalError, show,
 };
 
 /// The road of a scenario where variations have these values.
@@ -18,13 +18,14 @@ use scenario::{
 /// A gradient or friction out of its range; a path with a number out of its range, one too tight for its lanes, one that comes back to
 /// itself, and a crossing that is not on it.
 pub(super) fn road(scenario: &Scenario, variables: &Variables) -> Result<Road, PlanError> {
-    let ground = ground(scenario, variables)?;
+    let ground = ground(scenario, (scenario.ground.as_ref(), "road"), variables)?;
     let mut own = Road { ground, crossing: crossing(scenario, variables)?, ..scenario.road.clone() };
     let Some(declared) = &scenario.bend else {
         place_crossings(scenario, variables, &mut own, None)?;
         return Ok(own);
     };
-    let line = line(scenario, declared, variables)?;
+    let path = (declared.pieces.as_slice(), "road", &declared.origin);
+    let line = line(scenario, &scenario.road, path, variables)?;
     let crossing = number(&declared.crossing, variables, &declared.origin)?;
     let what = "the place of the crossing on its path";
     check_number(scenario, "road.at", what, crossing, limits::STATION, &declared.origin)?;
@@ -141,13 +142,17 @@ fn crossing(scenario: &Scenario, variables: &Variables) -> Result<Crossing, Plan
     Ok(found)
 }
 
-fn ground(scenario: &Scenario, variables: &Variables) -> Result<Ground, PlanError> {
-    let Some(declared) = &scenario.ground else { return Ok(Ground::default()) };
+pub(super) fn ground(
+    scenario: &Scenario,
+    (declared, road): (Option<&DeclaredGround>, &str),
+    variables: &Variables,
+) -> Result<Ground, PlanError> {
+    let Some(declared) = declared else { return Ok(Ground::default()) };
     let found = |name: &str, value: &Option<Expression>, limit: Limit| {
         let Some(value) = value else { return Ok(None) };
         let found = number(value, variables, &declared.origin)?;
         let what = format!("the {name} of the road");
-        check_number(scenario, &format!("road.{name}"), &what, found, limit, &declared.origin)?;
+        check_number(scenario, &format!("{road}.{name}"), &what, found, limit, &declared.origin)?;
         Ok(Some(found))
     };
     Ok(Ground {
@@ -156,35 +161,36 @@ fn ground(scenario: &Scenario, variables: &Variables) -> Result<Ground, PlanErro
     })
 }
 
-fn metres(length: f64) -> String {
+pub(super) fn metres(length: f64) -> String {
     show(length, None, Dimension::LENGTH)
 }
 
-/// The line that the pieces make, along x from the origin.
-fn line(
+/// The line that the pieces of a road's path make, along x from the origin; what it says is known by the road's `name`.
+pub(super) fn line(
     scenario: &Scenario,
-    declared: &DeclaredBend,
+    road: &Road,
+    (declared, name, own): (&[DeclaredPiece], &str, &Origin),
     variables: &Variables,
 ) -> Result<ReferenceLine, PlanError> {
     let mut pieces: Vec<Piece> = Vec::new();
     // Which statement each comes from.
     let mut statements: Vec<&Origin> = Vec::new();
-    for (index, said) in declared.pieces.iter().enumerate() {
-        check_piece(scenario, &format!("road.path.{}", index + 1), &said.kind, variables, &said.origin)?;
+    for (index, said) in declared.iter().enumerate() {
+        check_piece(scenario, &format!("{name}.path.{}", index + 1), &said.kind, variables, &said.origin)?;
         let before = pieces.last().map_or(0.0, |piece| piece.to);
         let made = said.kind.pieces(before, |value| number(value, variables, &said.origin))?;
         statements.extend(std::iter::repeat_n(&said.origin, made.len()));
         pieces.extend(made);
     }
-    let at = |piece: usize| statements.get(piece - 1).copied().unwrap_or(&declared.origin);
+    let at = |piece: usize| statements.get(piece - 1).copied().unwrap_or(own);
     let wrong = |error: GeometryError| match error {
         GeometryError::Length { piece, .. } | GeometryError::NotFinite { piece } => {
             PlanError::new(at(piece), error.to_string())
         }
-        _ => PlanError::new(&declared.origin, error.to_string()),
+        _ => PlanError::new(own, error.to_string()),
     };
     let line = ReferenceLine::new(Pose::origin(), &pieces).map_err(wrong)?;
-    let (road, line) = (&scenario.road, Arc::new(line));
+    let line = Arc::new(line);
     for side in [Side::Near, Side::Far] {
         let kerb = road.kerb(side);
         let made = CurvedPath::new(line.clone(), kerb, Direction::Forward, 0.0);
@@ -240,7 +246,7 @@ fn check_piece(
 }
 
 /// A road that comes back to itself would be two roads at one place: nobody could say which of them somebody crosses.
-fn refuse_return(road: &Road, origin: &Origin) -> Result<(), PlanError> {
+pub(super) fn refuse_return(road: &Road, origin: &Origin) -> Result<(), PlanError> {
     let Some((one, other)) = road.comes_back() else { return Ok(()) };
     let message = format!(
         "the road comes back to itself: what is {} behind its beginning lies on what is {} behind it",

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use super::check::check;
 use super::error::PlanError;
+use super::junctions::{check_people, other_roads};
 use super::meeting::meet;
 use super::places::{crossing_used, road, stops, way};
 use super::variables::{Variables, number};
@@ -18,6 +19,7 @@ use scenario::{
 /// The checked world of `scenario` where the variations have the values `variables`, with these people in it.
 pub fn world(scenario: &Scenario, variables: &Variables, people: &[Individual]) -> Result<World, PlanError> {
     let road = road(scenario, variables)?;
+    let other_roads = other_roads(scenario, &road, variables)?;
     let pedestrians = scenario
         .pedestrians
         .iter()
@@ -30,6 +32,7 @@ pub fn world(scenario: &Scenario, variables: &Variables, people: &[Individual]) 
         .collect::<Result<Vec<_>, _>>()?;
     let mut world = World {
         road,
+        other_roads,
         vehicles,
         pedestrians,
         step: scenario.step,
@@ -37,6 +40,7 @@ pub fn world(scenario: &Scenario, variables: &Variables, people: &[Individual]) 
         finish: scenario.finish,
         end_on_collision: scenario.end_on_collision,
     };
+    check_people(scenario, &world)?;
     meet(scenario, variables, &mut world)?;
     for (index, declared) in scenario.vehicles.iter().enumerate() {
         if matches!(declared.start, DeclaredVehicleStart::Automatic) {
@@ -113,7 +117,8 @@ fn vehicle_setup(
     let said = signals_said(scenario, &declared.name, &declared.origin);
     let obeys = conduct(controller.signals, declared.obeys_signals, &controller.declaration, said)?;
     Ok(VehicleSetup {
-        obeys_signals: obeys && road.has_signal(),
+        // On other roads there are none.
+        obeys_signals: obeys && road.has_signal() && declared.road.is_none(),
         name: declared.name.clone(),
         controller: ModelSetup {
             settings: controller_settings(
@@ -127,11 +132,23 @@ fn vehicle_setup(
         dynamics: ModelSetup { model: dynamics.into(), settings: dynamics_settings },
         length,
         width,
+        road: match &declared.road {
+            None => 0,
+            Some(name) => 1 + other_road(scenario, name, &declared.origin)?,
+        },
         lane: declared.lane,
         behind,
         speed,
         start,
         sees,
+    })
+}
+
+/// The number of a road among those that lie over the scenario's own.
+fn other_road(scenario: &Scenario, name: &str, origin: &Origin) -> Result<usize, PlanError> {
+    let found = scenario.other_roads.iter().position(|other| other.road.name == name);
+    found.ok_or_else(|| {
+        PlanError::new(origin, format!("no road called `{name}` lies over the scenario's road"))
     })
 }
 
@@ -165,8 +182,8 @@ fn controller_settings(
 
 /// Far enough out that the pedestrian who waits for the earliest arrival appears at time 0.
 fn automatic_start(index: usize, world: &World) -> Option<VehicleStart> {
-    let VehicleSetup { lane, speed, length, .. } = world.vehicles[index];
-    let path = world.road.path(lane);
+    let VehicleSetup { speed, length, .. } = world.vehicles[index];
+    let path = world.path_of(&world.vehicles[index]);
     let waiting = world.pedestrians.iter().filter_map(|pedestrian| match pedestrian.appears {
         Appearance::TimeToArrival { vehicle, reference, time } if vehicle == index => {
             Some((time, reference, path.line_of(path.met_by(pedestrian.start, pedestrian.goal))))

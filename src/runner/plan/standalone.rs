@@ -19,7 +19,8 @@ pub fn standalone(
 ) -> Result<Scenario, PlanError> {
     let variables = variables(variation);
     let mut own = scenario.clone();
-    (own.variations, own.repeat, own.runs, own.seed) = (Vec::new(), 1, None, Some(seed));
+    (own.variations, own.draws) = (Vec::new(), Vec::new());
+    (own.repeat, own.runs, own.seed) = (1, None, Some(seed));
     if let Some(bend) = &mut own.bend {
         bend.expressions_mut().into_iter().try_for_each(|(value, origin)| fix(value, &variables, origin))?;
     }
@@ -31,6 +32,9 @@ pub fn standalone(
     }
     for place in &mut own.other_crossings {
         fix(&mut place.at, &variables, &place.origin)?;
+    }
+    for other in &mut own.other_roads {
+        other.expressions_mut().into_iter().try_for_each(|(value, origin)| fix(value, &variables, origin))?;
     }
     if let Some(signal) = &mut own.signal {
         signal

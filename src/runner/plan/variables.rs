@@ -29,6 +29,7 @@ pub fn criteria(scenario: &Scenario, variables: &Variables) -> Result<Vec<Criter
         }
         if applies {
             let mut criterion = criterion.clone();
+            criterion.reach.drawn_people = scenario.draws_people();
             // The last step may end beyond the horizon.
             let longest = scenario.horizon + scenario.step;
             criterion.reach.limits = {

@@ -24,6 +24,9 @@ pub enum RunError {
         /// What is named.
         name: String,
     },
+    /// What was drawn for it is not possible.
+    #[error("what was drawn for it cannot be run: {0}")]
+    Impossible(String),
     /// A model refuses the case.
     #[error("`{who}`: {error}")]
     Model {
@@ -72,6 +75,9 @@ impl RunError {
     pub fn hint(&self) -> Option<&str> {
         match self {
             Self::Unknown { .. } => None,
+            Self::Impossible(_) => Some(
+                "cut what is drawn where that begins: `truncated_normal(mean, standard deviation, low, high)`",
+            ),
             Self::Model { error, .. } => error.hint.as_deref(),
             Self::Controller { error, .. } => error.hint.as_deref(),
         }
@@ -84,7 +90,7 @@ impl RunError {
                 let fault = (**error.fault.as_ref()?).clone();
                 Some(RunFault { run: key.to_string(), vehicle: who.clone(), time: *time, fault })
             }
-            Self::Unknown { .. } | Self::Model { .. } => None,
+            Self::Unknown { .. } | Self::Impossible(_) | Self::Model { .. } => None,
         }
     }
 

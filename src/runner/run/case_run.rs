@@ -30,6 +30,9 @@ impl RunningCase {
     /// The run of a case before its first decision, measured against these free flows.
     pub fn start(case: &Case, requests: &Requests, flows: &[FreeFlow]) -> Result<Self, RunError> {
         let begun = Instant::now();
+        if let Some(why) = &case.impossible {
+            return Err(RunError::Impossible(why.clone()));
+        }
         let users = road_users(&case.world, case.seed)?;
         let free_speeds: Vec<f64> =
             users.pedestrians.iter().map(|pedestrian| pedestrian.free_speed()).collect();
@@ -75,6 +78,7 @@ impl RunningCase {
             key: case.key.clone(),
             seed: case.seed,
             individuals: case.individuals.clone(),
+            drawn: case.drawn.clone(),
             ending,
             metrics: readings.iter().map(|reading| reading.worst?.value).collect(),
             critical: critical(&case.world, &vehicles, &pedestrians, &readings),

@@ -1,5 +1,6 @@
 //! Whether chance plays a part in a world: a property of what is built, not of how runs happened to go.
 
+use crate::plan::Cases;
 use scenario::{Chance, ModelSetup, World};
 
 /// What can draw from the run's random streams, such as "`walker` (`carla_walker`)". Where nothing can, every run is the
@@ -14,6 +15,11 @@ pub fn drawing(world: &World) -> Vec<String> {
         all.extend(note(&one.name, &one.model, |model| model.chance));
     }
     all
+}
+
+/// Whether chance plays no part in any of these runs: neither do they draw anything, nor does anything in their worlds.
+pub fn nothing_is_drawn(cases: &Cases) -> bool {
+    !cases.are_drawn() && cases.worlds().iter().all(|world| drawing(world).is_empty())
 }
 
 /// What to say of a model if it can draw. Of a mere name nothing is known, and it cannot be run.

@@ -5,9 +5,9 @@ use std::sync::Arc;
 
 use super::name::shared;
 use results::{CutOff, OnCourse, Unfinished};
-use scenario::World;
+use scenario::{PathConflict, World};
 use sim::measure::{Measurement, Reading, half_extent};
-use sim::{Snapshot, Solid, collision_course, has_arrived, has_crossed};
+use sim::{Snapshot, Solid, collision_course, has_arrived, has_crossed, path_conflicts};
 
 /// Of a run that the horizon or a contact ended in the state `last`.
 pub fn cut_off(world: &World, last: &Snapshot, measurement: &Measurement, readings: &[Reading]) -> CutOff {
@@ -59,7 +59,7 @@ fn unfinished(world: &World, last: &Snapshot, measurement: &Measurement) -> Vec<
     let pairs = drivers.flat_map(|car| (0..world.pedestrians.len()).map(move |person| (car, person)));
     let not_over = pairs.filter(|(car, index)| {
         let (vehicle, person) = (&last.vehicles[*car], &last.pedestrians[*index]);
-        let crossed = person.present && has_crossed(world, last, *index, vehicle);
+        let crossed = person.present && has_crossed(world, last, *index, (vehicle, &world.vehicles[*car]));
         let rear = vehicle.motion.travelled - world.vehicles[*car].length / 2.0;
         let place = vehicle.path.locate(person.position);
         let passed = rear >= place.along + half_extent(person, &place).x;
@@ -70,7 +70,31 @@ fn unfinished(world: &World, last: &Snapshot, measurement: &Measurement) -> Vec<
         vehicle: shared(Solid::Vehicle(car).name(world)),
         pedestrian: shared(Solid::Pedestrian(person).name(world)),
     });
-    named.collect()
+    named.chain(crossing_vehicles(world, last, measurement)).collect()
+}
+
+/// Every two vehicles on different roads whose ways cross, that have not touched, and of which neither has left where they do while
+/// one of them moves.
+fn crossing_vehicles(
+    world: &World,
+    last: &Snapshot,
+    measurement: &Measurement,
+) -> impl Iterator<Item = Unfinished> {
+    let cars = &world.vehicles;
+    let pairs = (0..cars.len()).flat_map(|one| (one + 1..cars.len()).map(move |other| (one, other)));
+    let pairs = pairs.filter(|(one, other)| cars[*one].road != cars[*other].road);
+    let not_over = pairs.filter(|(one, other)| {
+        let (first, second) = (&last.vehicles[*one].motion, &last.vehicles[*other].motion);
+        let is_left = |met: &PathConflict| first.travelled > met.first.to && second.travelled > met.second.to;
+        let stand = first.speed == 0.0 && second.speed == 0.0;
+        let touched = measurement.touched(*one, Solid::Vehicle(*other));
+        !stand && !touched && !path_conflicts(world, *one, *other).iter().all(is_left)
+    });
+    let named = not_over.map(|(one, other)| Unfinished {
+        vehicle: shared(Solid::Vehicle(one).name(world)),
+        pedestrian: shared(Solid::Vehicle(other).name(world)),
+    });
+    named.collect::<Vec<_>>().into_iter()
 }
 
 /// Everything that a vehicle may touch.

@@ -28,7 +28,7 @@ mod threads;
 pub use batch::{BatchError, RunBatch};
 pub use build::{RunError, road_users};
 pub use case::{Unwatched, run_case};
-pub use chance::drawing;
+pub use chance::{drawing, nothing_is_drawn};
 pub use departure::departures;
 pub(crate) use departure::{Departing, departing};
 pub use encoding::{DecodingError, EncodedBy};

@@ -22,6 +22,7 @@ fn executors() -> Vec<Box<dyn Executor>> {
 fn case(number: usize) -> Case {
     let world = World {
         road: Road::zebra(&[Direction::Forward], 10.0),
+        other_roads: Vec::new(),
         vehicles: Vec::new(),
         pedestrians: Vec::new(),
         step: 0.025,
@@ -34,6 +35,8 @@ fn case(number: usize) -> Case {
         scenario: "b".into(),
         variation: Vec::new(),
         individuals: Vec::new(),
+        drawn: Vec::new(),
+        impossible: None,
         repetition: number as u32,
         seed: number as u64,
         world: Arc::new(world),
@@ -209,6 +212,7 @@ fn outcome(case: &Case) -> Outcome {
         key: case.key.clone(),
         seed: case.seed,
         individuals: Vec::new(),
+        drawn: Vec::new(),
         ending: Ending { reason: StopReason::Completed, time: 1.0 },
         metrics: Vec::new(),
         critical: Default::default(),

@@ -2,8 +2,8 @@
 
 use crate::plan::{PlanError, Variables, concrete_case, variables};
 use scenario::{
-    Assignment, Case, Dimension, Individual, KnownDistribution, ParameterKind, Scenario, Value, Variation,
-    VariedValue,
+    Assignment, Case, Dimension, DrawSource, Individual, KnownDistribution, ParameterKind, Scenario, Value,
+    Variation, VariedValue,
 };
 
 /// A case in the terms of its scenario, while it is being moved.
@@ -88,6 +88,7 @@ pub fn knobs(place: &KnobPlace) -> Vec<Knob> {
             nominal(variation, &assignment.name, &variables(&place.variation))
                 .filter(|_| assignment.value.as_number().is_some())
         });
+        let varied = varied.or_else(|| drawn(place, assignment));
         found.extend(varied.map(|(nominal, why)| Knob {
             name: assignment.name.clone(),
             nominal,
@@ -121,6 +122,22 @@ pub fn knobs(place: &KnobPlace) -> Vec<Knob> {
         }
     }
     found
+}
+
+/// As [`nominal`], of what is drawn anew in every run. Values of a table belong together, and stay.
+fn drawn(place: &KnobPlace, assignment: &Assignment) -> Option<(f64, &'static str)> {
+    assignment.value.as_number()?;
+    let draw = place.scenario.draws.iter().find(|draw| draw.names.contains(&assignment.name))?;
+    match &draw.from {
+        DrawSource::Distribution { distribution, .. } => {
+            distribution.known(&variables(&place.variation)).ok()?.nominal()
+        }
+        DrawSource::Table(table) if draw.names.len() == 1 => {
+            let values: Vec<VariedValue> = table.rows.iter().map(|row| row[0].clone()).collect();
+            KnownDistribution::Weighted { options: &values, weights: &table.weights }.nominal()
+        }
+        DrawSource::Table(_) => None,
+    }
 }
 
 /// The middle of what a variation gives a name, and what that is.

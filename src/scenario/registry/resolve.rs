@@ -23,8 +23,16 @@ impl Registry {
     /// # Errors
     /// The first name that the registry does not have; the world may be resolved in part then.
     pub fn resolve_world(&self, world: &mut World) -> Result<(), UnknownEntry> {
-        let World { road: _, vehicles, pedestrians, step: _, horizon: _, finish: _, end_on_collision: _ } =
-            world;
+        let World {
+            road: _,
+            other_roads: _,
+            vehicles,
+            pedestrians,
+            step: _,
+            horizon: _,
+            finish: _,
+            end_on_collision: _,
+        } = world;
         for vehicle in vehicles {
             of_table(EntryKind::Controller, &mut vehicle.controller.model, &self.controllers)?;
             of_table(EntryKind::VehicleDynamics, &mut vehicle.dynamics.model, &self.dynamics)?;

@@ -119,10 +119,12 @@ impl Encounters {
     /// Of a run of this world that has not begun; allocates what all of its steps need.
     pub fn new(world: &World) -> Self {
         let steps = (world.horizon / world.step).ceil().clamp(0.0, 1e6) as usize + 1;
-        let encounter = |pedestrian: usize| Encounter {
-            side: world.pedestrians[pedestrian].side,
-            half_lane: world.road.lane_width / 2.0,
-            crosses: world.pedestrians[pedestrian].crosses(&world.road),
+        let encounter = |(car, pedestrian): (&VehicleSetup, usize)| Encounter {
+            side: world
+                .crosses_from(&world.pedestrians[pedestrian], car)
+                .unwrap_or(world.pedestrians[pedestrian].side),
+            half_lane: world.road_of(car).lane_width / 2.0,
+            crosses: world.crosses_from(&world.pedestrians[pedestrian], car).is_some(),
             was_in_lane: false,
             appeared: None,
             contact: None,
@@ -140,7 +142,12 @@ impl Encounters {
         Self {
             passages: vec![Passage::with_capacity(steps); world.vehicles.len()],
             fastest: vec![0.0; world.vehicles.len()],
-            pairs: (0..world.vehicles.len()).flat_map(|_| (0..pedestrians).map(encounter)).collect(),
+            pairs: world
+                .vehicles
+                .iter()
+                .flat_map(|car| (0..pedestrians).map(move |person| (car, person)))
+                .map(encounter)
+                .collect(),
             pedestrians,
             sent: world
                 .pedestrians
@@ -240,7 +247,7 @@ impl Encounters {
             self.fastest[index] = self.fastest[index].max(before.motion.speed).max(after.motion.speed);
             passage.observe((step.time, before.motion.travelled), (end, after.motion.travelled));
         }
-        if !self.walked.is_empty() {
+        if self.steered.iter().any(Option::is_some) {
             self.follow_ways(step);
         }
         for (index, pair) in self.pairs.iter_mut().enumerate() {
@@ -265,6 +272,11 @@ impl Encounters {
                 way.observe(step, index);
             }
         }
+    }
+
+    /// Whether a vehicle was steered so far, and so is not where its lane says.
+    pub fn was_steered(&self, vehicle: usize) -> bool {
+        self.steered[vehicle].as_ref().is_some_and(SteeredWay::was_steered)
     }
 
     /// The run is over: what is known of vehicles that were steered by their way as a whole.

@@ -206,16 +206,18 @@ fn pedestrian(with: Option<Solid>) -> Option<usize> {
 fn subjects(scope: Scope, world: &World) -> impl Iterator<Item = Subject> {
     let vehicles: Vec<Option<usize>> = match scope {
         Scope::Pedestrian => vec![None],
-        Scope::Pair | Scope::Vehicle | Scope::Contact => (0..world.vehicles.len()).map(Some).collect(),
+        Scope::Pair | Scope::Vehicle | Scope::Vehicles | Scope::Contact => {
+            (0..world.vehicles.len()).map(Some).collect()
+        }
     };
     let with = move |vehicle: Option<usize>| -> Vec<Option<Solid>> {
         let people = (0..world.pedestrians.len()).map(Solid::Pedestrian);
+        let cars = (0..world.vehicles.len()).filter(|other| Some(*other) != vehicle).map(Solid::Vehicle);
         match scope {
             Scope::Vehicle => vec![None],
             Scope::Pair | Scope::Pedestrian => people.map(Some).collect(),
+            Scope::Vehicles => cars.map(Some).collect(),
             Scope::Contact => {
-                let cars =
-                    (0..world.vehicles.len()).filter(|other| Some(*other) != vehicle).map(Solid::Vehicle);
                 let boxes = (0..world.road.boxes.len()).map(Solid::Box);
                 let all: Vec<_> = people.chain(cars).chain(boxes).map(Some).collect();
                 // Who is alone touches nothing, which is a value too.

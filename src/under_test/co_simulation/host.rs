@@ -15,7 +15,7 @@ use serde_json::{Value as Json, json};
 use super::plan::FmuPlan;
 use super::signals::{RunRows, signals};
 use super::wired::Wired;
-use crate::wire::{CURVATURE_AHEAD, LANES, PEDESTRIANS, RUNS, VEHICLES, text_frame};
+use crate::wire::{CURVATURE_AHEAD, KINDS, LANES, PEDESTRIANS, RUNS, VEHICLES, text_frame};
 
 /// More than a request may have, bytes.
 const LONGEST_REQUEST: usize = 1 << 30;
@@ -235,7 +235,7 @@ impl Host<'_> {
             .map(|bytes| f64::from_le_bytes(bytes.try_into().expect("eight of them")))
             .collect();
         let columns = RUNS.len() + LANES.len();
-        let (first, second) = (runs * columns, pedestrians * PEDESTRIANS.len());
+        let (first, second) = (runs * columns, pedestrians * (PEDESTRIANS.len() + KINDS.len()));
         let third = vehicles * VEHICLES.len();
         // How lanes bend ahead is no number: no unit is told of it.
         if doubles.len() != first + second + third + changes * CURVATURE_AHEAD.len() {

@@ -52,7 +52,7 @@ pub fn plan(
         "name": description.name,
         "version": description.model_version,
         "encoding": "f64",
-        "tables": ["lanes"],
+        "tables": ["lanes", "kinds"],
         "runs_at_once": if is_once_per_process { 1 } else { AT_ONCE },
         "gives": [program.gives.word()],
         "parameters": said,

@@ -2,7 +2,7 @@
 
 use scenario::{NOBODY_AT, OBJECT, OBJECTS, SEEN};
 
-use crate::wire::{LANES, PEDESTRIANS, RUNS, VEHICLES};
+use crate::wire::{KINDS, LANES, PEDESTRIANS, RUNS, VEHICLES};
 
 /// The number of signals.
 pub const COUNT: usize = SEEN.len() + OBJECTS * OBJECT.len();
@@ -29,7 +29,11 @@ struct Object {
     vy: f64,
     length: f64,
     width: f64,
+    kind: f64,
 }
+
+/// The kind of a vehicle, behind those of people.
+const VEHICLE: f64 = 4.0;
 
 /// What is told of a run, as rows of doubles.
 pub struct RunRows<'a> {
@@ -67,8 +71,8 @@ pub fn signals(rows: &RunRows) -> [f64; COUNT] {
     all[FROM_RUNS..SEEN.len()].copy_from_slice(&[present, gap, closing]);
     for (index, place) in all[SEEN.len()..].chunks_exact_mut(OBJECT.len()).enumerate() {
         place.copy_from_slice(&match ahead.get(index) {
-            Some(one) => [1.0, one.x, one.y, one.vx, one.vy, one.length, one.width],
-            None => [0.0, NOBODY_AT, 0.0, 0.0, 0.0, 0.0, 0.0],
+            Some(one) => [1.0, one.x, one.y, one.vx, one.vy, one.length, one.width, one.kind],
+            None => [0.0, NOBODY_AT, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
         });
     }
     all
@@ -77,14 +81,17 @@ pub fn signals(rows: &RunRows) -> [f64; COUNT] {
 /// Those of a run whose centre is ahead of the vehicle's.
 fn objects(rows: &RunRows, length: f64) -> Vec<Object> {
     let RunRows { pedestrians, vehicles, index, .. } = *rows;
-    let object = |kind: u8, row: &[f64], size: usize| {
+    let object = |rank: u8, row: &[f64], size: usize, kind: f64| {
         let (x, its) = (row[2], row[size]);
-        let (rank, gap) = ((kind, row[1]), x - (length + its) / 2.0);
-        Object { gap, rank, x, y: row[3], vx: row[4], vy: row[5], length: its, width: row[size + 1] }
+        let (rank, gap) = ((rank, row[1]), x - (length + its) / 2.0);
+        Object { gap, rank, x, y: row[3], vx: row[4], vy: row[5], length: its, width: row[size + 1], kind }
     };
     let of = |row: &&[f64]| row[0] == index as f64 && row[2] > 0.0;
-    let people = pedestrians.chunks_exact(PEDESTRIANS.len()).filter(of).map(|row| object(0, row, 8));
-    let cars = vehicles.chunks_exact(VEHICLES.len()).filter(of).map(|row| object(1, row, 6));
+    let people = pedestrians
+        .chunks_exact(PEDESTRIANS.len() + KINDS.len())
+        .filter(of)
+        .map(|row| object(0, row, 8, row[PEDESTRIANS.len()]));
+    let cars = vehicles.chunks_exact(VEHICLES.len()).filter(of).map(|row| object(1, row, 6, VEHICLE));
     people.chain(cars).collect()
 }
 
@@ -156,17 +163,17 @@ mod tests {
 
     #[test]
     fn those_ahead_are_told_nearest_first_whatever_their_order() {
-        let (mut run, width) = (run(), PEDESTRIANS.len());
+        let (mut run, width) = (run(), PEDESTRIANS.len() + KINDS.len());
         // Speed, length and lane: 10 m/s, 4 m, 4 m.
         (run[5], run[7], run[9]) = (10.0, 4.0, 4.0);
         let mut pedestrians = Vec::new();
-        for (row, id, x, y, vx) in [
-            (1.0, 7.0, 20.0, 1.0, 2.0),
-            (1.0, 3.0, 12.0, 3.0, 0.0),
-            (0.0, 1.0, 5.0, 0.0, 0.0),
-            (1.0, 2.0, -3.0, 0.0, 0.0),
+        for (row, id, x, y, vx, kind) in [
+            (1.0, 7.0, 20.0, 1.0, 2.0, 1.0),
+            (1.0, 3.0, 12.0, 3.0, 0.0, 2.0),
+            (0.0, 1.0, 5.0, 0.0, 0.0, 1.0),
+            (1.0, 2.0, -3.0, 0.0, 0.0, 3.0),
         ] {
-            pedestrians.extend([row, id, x, y, vx, 0.5, 0.0, 0.0, 1.0, 0.5]);
+            pedestrians.extend([row, id, x, y, vx, 0.5, 0.0, 0.0, 1.0, 0.5, kind]);
         }
         // The bumper of a long one is nearer than its centre.
         let vehicles = [1.0, 0.0, 22.0, -1.0, 8.0, 0.0, 10.0, 2.0];
@@ -174,6 +181,7 @@ mod tests {
         assert_eq!((told("object1.x"), told("object1.y"), told("object1.length")), (12.0, 3.0, 1.0));
         assert_eq!((told("object2.x"), told("object2.vx"), told("object2.width")), (22.0, 8.0, 2.0));
         assert_eq!((told("object3.x"), told("object3.vy"), told("object4.present")), (20.0, 0.5, 0.0));
+        assert_eq!([1, 2, 3, 4].map(|number| told(&format!("object{number}.kind"))), [2.0, 4.0, 1.0, 0.0]);
         // Who is at the side is not in the lane.
         assert_eq!((told("ahead.gap"), told("ahead.closing_speed")), (15.0, 2.0));
         let turned: Vec<f64> = pedestrians.chunks(width).rev().flatten().copied().collect();

@@ -21,12 +21,15 @@ if _os.environ.get("SCENARIO_RUNNER_CONTROLLER"):
 from ._controller import Controller, VectorController
 from ._parameter import parameter
 from ._results import Results, RunFailed, results, run
-from ._seen import Box, CurvatureChange, Lane, Pedestrian, Run, Seen, Vehicle
+from ._seen import CYCLIST, ESCOOTER, PEDESTRIAN, Box, CurvatureChange, Lane, Pedestrian, Run, Seen, SeenCrossing, Vehicle
 from ._serve import serve
 
 __version__ = "0.1.0"
 
 __all__ = [
+    "CYCLIST",
+    "ESCOOTER",
+    "PEDESTRIAN",
     "Box",
     "Controller",
     "CurvatureChange",
@@ -36,6 +39,7 @@ __all__ = [
     "Run",
     "RunFailed",
     "Seen",
+    "SeenCrossing",
     "Vehicle",
     "VectorController",
     "parameter",

@@ -2,7 +2,7 @@
 
 import numpy
 
-from ._seen import CURVATURE_COLUMNS, PEDESTRIAN_COLUMNS, RUN_COLUMNS, VEHICLE_COLUMNS
+from ._seen import CROSSING_COLUMNS, CURVATURE_COLUMNS, PEDESTRIAN_COLUMNS, RUN_COLUMNS, VEHICLE_COLUMNS
 
 
 def _attributes(own, columns, rows, kinds):
@@ -20,20 +20,21 @@ class Batch:
     left, 1/m.
     """
 
-    def __init__(self, runs, pedestrians, vehicles, changes=()):
+    def __init__(self, runs, pedestrians, vehicles, changes=(), crossings=()):
         _attributes(self, RUN_COLUMNS, runs, {"slot": numpy.intp, "new": bool, "pedestrian_priority": bool})
         self.mode = numpy.full(len(self.slot), -1.0)
         self.steering = numpy.full(len(self.slot), numpy.nan)
         self.pedestrians = Others(PEDESTRIAN_COLUMNS, pedestrians, len(self))
         self.vehicles = Others(VEHICLE_COLUMNS, vehicles, len(self))
         self.curvature_ahead = Others(CURVATURE_COLUMNS, changes, len(self))
+        self.crossings = Others(CROSSING_COLUMNS, crossings, len(self))
 
     def __len__(self):
         return len(self.slot)
 
 
 class Others:
-    """Columns of pedestrians, vehicles or changes of curvature of all runs, `row` being the place of each one's run in the batch."""
+    """Columns of pedestrians, vehicles, changes of curvature or crossings of all runs, `row` being the place of each one's run in the batch."""
 
     def __init__(self, columns, rows, runs):
         _attributes(self, columns, rows, {"row": numpy.intp, "id": numpy.int64})

@@ -59,10 +59,10 @@ class ObjectHost:
         self.decided.pop(run.slot, None)
         self.runs[run.slot] = instance
 
-    def step(self, runs, pedestrians, vehicles, changes=()):
+    def step(self, runs, pedestrians, vehicles, changes=(), crossings=()):
         """Rows of answers, with the index of the mode, and the curvature if anybody steers."""
         decided, refused, answers = self.decided, [], []
-        for seen in scenes_of(runs, pedestrians, vehicles, changes):
+        for seen in scenes_of(runs, pedestrians, vehicles, changes, crossings):
             known = decided.get(seen.slot)
             if known is not None and known[0] == seen.time:
                 answers.append(known[1])
@@ -132,12 +132,12 @@ class VectorHost:
             getattr(self.instance, name)[run.slot] = run.parameters[name]
         self.instance.start(run)
 
-    def step(self, runs, pedestrians, vehicles, changes=()):
+    def step(self, runs, pedestrians, vehicles, changes=(), crossings=()):
         """An array of answers, with the index of the mode, and the curvature if anybody steers."""
         from ._batch import Batch
 
         numpy = self.numpy
-        batch = Batch(runs, pedestrians, vehicles, changes)
+        batch = Batch(runs, pedestrians, vehicles, changes, crossings)
         rows = numpy.full((len(batch), self.width + 1 + self.steers), NAN)
         try:
             answer = numpy.asarray(self.instance.step(batch), dtype=float)

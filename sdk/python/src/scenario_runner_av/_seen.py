@@ -5,8 +5,11 @@ from typing import Any, Dict, List, NamedTuple, Optional
 NAN = float("nan")
 
 
+PEDESTRIAN, CYCLIST, ESCOOTER = 1.0, 2.0, 3.0
+
+
 class Pedestrian(NamedTuple):
-    """Somebody on foot. x is ahead of the ego's centre, y to the left of the middle of its lane; velocities are over ground."""
+    """Somebody on foot, or who rides. x is ahead of the ego's centre, y to the left of the middle of its lane; velocities are over ground."""
 
     row: int
     id: int
@@ -18,6 +21,8 @@ class Pedestrian(NamedTuple):
     ay: float
     length: float
     width: float
+    kind: float = PEDESTRIAN
+    """`PEDESTRIAN`, `CYCLIST` or `ESCOOTER`."""
 
 
 class Vehicle(NamedTuple):
@@ -41,6 +46,19 @@ class CurvatureChange(NamedTuple):
     """Ahead of the point of the ego that follows its lane, m."""
     curvature: float
     """There, to the left, 1/m. It changes evenly from one to the next; two at one distance are a jump."""
+
+
+class SeenCrossing(NamedTuple):
+    """A crossing of the road."""
+
+    row: int
+    distance: float
+    """From the ego's centre to its middle, m; negative behind it."""
+    width: float
+    pedestrian_priority: bool
+    right_edge: float
+    """y of where people wait on the right, beyond a kerb or on a refuge."""
+    left_edge: float
 
 
 class Seen(NamedTuple):
@@ -84,6 +102,8 @@ class Seen(NamedTuple):
     vehicles: List[Vehicle]
     curvature_ahead: List[CurvatureChange] = []
     """How the lane bends within 150 m, nearest first; empty where its curvature does not change."""
+    crossings: List[SeenCrossing] = []
+    """Every crossing in the order in which the ego comes to them; empty where the runner is older than this."""
 
 
 class Lane(NamedTuple):
@@ -161,21 +181,24 @@ def run_of(message):
     )
 
 
-RUN_COLUMNS = Seen._fields[:-3]
+RUN_COLUMNS = Seen._fields[:-4]
 PEDESTRIAN_COLUMNS = Pedestrian._fields
 VEHICLE_COLUMNS = Vehicle._fields
 CURVATURE_COLUMNS = CurvatureChange._fields
+CROSSING_COLUMNS = SeenCrossing._fields
 
 _EGO = ("distance_to_crossing", "speed", "acceleration", "length", "width", "travelled", "curvature",
         "lateral_offset", "heading_error")
 # What JSON leaves out where it is nothing.
 _LEFT_OUT = {"curvature": 0.0, "lateral_offset": 0.0, "heading_error": 0.0}
 _VALUE = {True: 1.0, False: 0.0, None: NAN}
+# Who is on foot says nothing of it.
+_KINDS = {None: PEDESTRIAN, "cyclist": CYCLIST, "escooter": ESCOOTER}
 
 
 def rows_of(scenes):
-    """Rows of runs, pedestrians, vehicles and changes of curvature of a request in JSON, as they would come in frames."""
-    runs, pedestrians, vehicles, changes = [], [], [], []
+    """Rows of runs, pedestrians, vehicles, changes of curvature and crossings of a request in JSON, as they would come in frames."""
+    runs, pedestrians, vehicles, changes, crossings = [], [], [], [], []
     for row, scene in enumerate(scenes):
         ego, road = scene.get("ego", {}), scene.get("road", {})
         values = []
@@ -185,20 +208,29 @@ def rows_of(scenes):
             values.append(_VALUE[value] if value is None or isinstance(value, bool) else value)
         runs.append(values)
         for one in scene.get("pedestrians", ()):
+            one = {**one, "kind": _KINDS.get(one.get("kind"), NAN)}
             pedestrians.append([row] + [one.get(name, NAN) for name in PEDESTRIAN_COLUMNS[1:]])
         for one in scene.get("vehicles", ()):
             vehicles.append([row] + [one.get(name, NAN) for name in VEHICLE_COLUMNS[1:]])
         for distance, curvature in road.get("curvature_ahead", ()):
             changes.append([row, distance, curvature])
-    return runs, pedestrians, vehicles, changes
+        # One at which people wait beyond the kerbs is what the road's other fields say.
+        only = {"distance": ego.get("distance_to_crossing"), "width": road.get("crossing_width"),
+                "pedestrian_priority": road.get("pedestrian_priority"),
+                "right_edge": road.get("right_kerb"), "left_edge": road.get("left_kerb")}
+        for one in road.get("crossings", [only]):
+            values = [one.get(name) for name in CROSSING_COLUMNS[1:]]
+            crossings.append([row] + [_VALUE[value] if value is None or isinstance(value, bool) else value for value in values])
+    return runs, pedestrians, vehicles, changes, crossings
 
 
-def scenes_of(runs, pedestrians, vehicles, changes=()):
+def scenes_of(runs, pedestrians, vehicles, changes=(), crossings=()):
     """The scene of each run, of rows of numbers."""
     people = [[] for _ in runs]
     for values in pedestrians:
         row = int(values[0])
-        people[row].append(Pedestrian(row, int(values[1]), *values[2:]))
+        kind = values[10] if values[10] == values[10] else PEDESTRIAN
+        people[row].append(Pedestrian(row, int(values[1]), *values[2:10], kind))
     cars = [[] for _ in runs]
     for values in vehicles:
         row = int(values[0])
@@ -207,10 +239,14 @@ def scenes_of(runs, pedestrians, vehicles, changes=()):
     for values in changes:
         row = int(values[0])
         bends[row].append(CurvatureChange(row, *values[1:]))
-    return [_scene(values, people[row], cars[row], bends[row]) for row, values in enumerate(runs)]
+    places = [[] for _ in runs]
+    for values in crossings:
+        row = int(values[0])
+        places[row].append(SeenCrossing(row, values[1], values[2], values[3] == 1.0, *values[4:]))
+    return [_scene(values, people[row], cars[row], bends[row], places[row]) for row, values in enumerate(runs)]
 
 
-def _scene(values, pedestrians, vehicles, changes):
+def _scene(values, pedestrians, vehicles, changes, crossings):
     signal = values[13]
     return Seen(
         int(values[0]),
@@ -223,4 +259,5 @@ def _scene(values, pedestrians, vehicles, changes):
         pedestrians,
         vehicles,
         changes,
+        crossings,
     )

@@ -9,7 +9,7 @@ from ._controller import check
 from ._declare import declaration
 from ._hosts import Refused, host_of, json_answer, message_of
 from ._parameter import parameters_of
-from ._seen import CURVATURE_COLUMNS, NAN, PEDESTRIAN_COLUMNS, RUN_COLUMNS, VEHICLE_COLUMNS, rows_of
+from ._seen import CROSSING_COLUMNS, CURVATURE_COLUMNS, NAN, PEDESTRIAN_COLUMNS, RUN_COLUMNS, VEHICLE_COLUMNS, rows_of
 
 PROTOCOL = 1
 ENCODINGS = ("f64", "json")
@@ -18,6 +18,7 @@ _COLUMNS = (
     ("pedestrians", PEDESTRIAN_COLUMNS),
     ("vehicles", VEHICLE_COLUMNS),
     ("curvature_ahead", CURVATURE_COLUMNS),
+    ("crossings", CROSSING_COLUMNS),
 )
 _WORD = struct.Struct("<I")
 _COUNTS = struct.Struct("<6I")
@@ -59,7 +60,7 @@ def converse(controller, requests, answers, encoding="f64", runs_at_once=None, *
         "name": controller.own_name(),
         "version": controller.version,
         "encoding": encoding,
-        "tables": ["lanes"],
+        "tables": ["lanes", "kinds", "crossings"],
         "runs_at_once": runs_at_once,
         "gives": [controller.gives],
         "modes": list(controller.modes),
@@ -146,8 +147,12 @@ class Frames(Wire):
     def __init__(self, host, columns):
         super().__init__(host)
         self.is_vector = hasattr(host, "numpy")
-        # Those of lanes, which are asked for, go on behind those of runs; a runner may be older than they are.
-        columns = {**columns, "runs": columns["runs"] + columns.get("lanes", [])}
+        # What is asked for goes on behind; a runner may be older than that.
+        columns = {
+            **columns,
+            "runs": columns["runs"] + columns.get("lanes", []),
+            "pedestrians": columns["pedestrians"] + columns.get("kinds", []),
+        }
         self.tables = [Table(columns.get(name, known), known) for name, known in _COLUMNS]
 
     def said(self, answer):
@@ -163,7 +168,7 @@ class Frames(Wire):
         frame = requests.read(_WORD.unpack(head)[0])
         if frame[:4] == b"\0\0\0\0":
             return self.text(json.loads(frame[4:]))
-        _, *counts, _ = _COUNTS.unpack_from(frame)
+        _, *counts = _COUNTS.unpack_from(frame)
         offset, tables = 28, []
         for table, rows in zip(self.tables, counts):
             part = memoryview(frame)[offset : offset + rows * table.bytes]

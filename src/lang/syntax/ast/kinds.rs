@@ -1,7 +1,7 @@
 //! Statements of different blocks that have something in common: what names, what is named, what has settings.
 
 use super::{
-    Argument, Binding, Calibrate, Constraint, Controller, ControllerDefinition, Crossing, Direction,
+    Argument, Binding, Calibrate, Constraint, Controller, ControllerDefinition, Crossing, Direction, Draw,
     Dynamics, Evaluate, Expression, Measure, Metric, Model, Name, Obstacle, OtherCrossing, Parameter,
     Pedestrian, RoadDefinition, Scenario, Search, Sees, Settings, Statement, Suite, Tag, Tested, Tune, Turn,
     Varied, VaryTogether, Vehicle,
@@ -14,7 +14,7 @@ choices! {
     /// What scenarios stand in, themselves included.
     HoldsScenarios = Scenario | Suite;
     /// What gives a name that is known in a scenario only, or in its file.
-    Local = Binding | Parameter | Pedestrian | Varied | Vehicle;
+    Local = Binding | Draw | Parameter | Pedestrian | Varied | Vehicle;
     /// A statement that names a registered thing.
     Named = Controller | Dynamics | Model | Tested;
     /// A statement of a road user with settings.
@@ -24,7 +24,7 @@ choices! {
     /// The first crossing of a road or another.
     AnyCrossing = Crossing | OtherCrossing;
     /// What takes values from outside.
-    Settable = Argument | Binding | Parameter | Pedestrian | Scenario | Varied | VaryTogether | Vehicle;
+    Settable = Argument | Binding | Draw | Parameter | Pedestrian | Scenario | Varied | VaryTogether | Vehicle;
     /// What names a registered thing.
     NamesRegistered = Named | Metric;
     /// What stands between the commas of a statement.

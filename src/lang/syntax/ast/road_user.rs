@@ -15,6 +15,7 @@ views! {
         sees: (Sees),
         size: (Size),
         speed: (Speed),
+        on: (OnRoad),
         lane: (Lane),
         start: (VehicleStart),
         follows: (Follows),
@@ -28,9 +29,11 @@ views! {
     /// `size LENGTH x WIDTH`
     Size = size { extents: [Expression] }
     Speed = speed { value: Expression }
+    /// `on side`
+    OnRoad = on_road { name: Name }
     Lane = lane { value: Expression }
-    /// `start 80 m before crossing`
-    VehicleStart = vehicle_start { value: Expression }
+    /// `start 80 m before crossing` or `start 40 m before junction`
+    VehicleStart = vehicle_start { value: Expression, is_before_junction: {kw_junction} }
     /// `follows by rear axle` or `follows by rear axle 1.3 m behind centre`
     Follows = follows { behind: (Expression) }
     /// `pedestrian NAME { … }`, `pedestrian NAME times 5 { … }`, and the same of a `cyclist` or an `escooter`
@@ -60,10 +63,11 @@ views! {
         ignores: (Ignores),
     }
     Model = model { name: Name, settings: (Settings) }
-    /// `individuals 5 of standard`, `individuals all of standard` or `individual 17 of standard`
+    /// `individuals 5 of standard`, `individuals all of standard`, `individuals drawn from standard` or `individual 17 of standard`
     Individuals = individuals | individual {
         is_one: {kw_individual},
         are_all: {kw_all},
+        are_drawn: {kw_drawn},
         number: (Integer),
         population: Population,
     }
@@ -133,8 +137,8 @@ pub(super) const SIZE: StatementEntry =
 pub(super) const INDIVIDUALS: StatementEntry = statement(
     "individuals",
     Rule::individuals,
-    "individuals 5 of standard",
-    "Takes parameters from people of a population.",
+    "individuals 5 of standard` or `individuals drawn from standard",
+    "Takes parameters from people of a population: each of so many in runs of their own, or somebody else in every run.",
 )
 .key("individuals", YamlShape::Words);
 
@@ -193,13 +197,15 @@ pub static VEHICLE: BlockEntry = BlockEntry {
             .key("speed", YamlShape::Words)
             .needed("speed", "speed 30 km/h")
             .set("speed ", ""),
+        statement("on", Rule::on_road, "on side", "The road that it drives on, which lies over the scenario's; without it, that one.")
+            .key("on", YamlShape::Words),
         statement("lane", Rule::lane, "lane 0", "Its lane, counted from the near side.")
             .key("lane", YamlShape::Words)
             .set("lane ", ""),
         statement(
             "start",
             Rule::vehicle_start,
-            "start 80 m before crossing` or `start 6 s before crossing",
+            "start 80 m before crossing`, `start 6 s before crossing` or `start 40 m before junction",
             "Where it starts; without it, as far out as pedestrians need it.",
         )
         .key("start", YamlShape::Words)

@@ -3,7 +3,7 @@
 use super::super::entry::{BlockEntry, BlockKind, StatementEntry, YamlShape, statement};
 use super::{
     DOC, Doc, EXPECT, Expect, Expression, Integer, List, Name, Pedestrian, REPEAT, Repeat, Seed, Settings,
-    TAGS, Tags, Vehicle,
+    TAGS, Tags, Text, Vehicle,
 };
 #[cfg(test)]
 use super::{Holds, Made};
@@ -15,6 +15,7 @@ views! {
     /// `road NAME { … }`
     RoadDefinition = road_definition { name: Name, block: RoadBlock }
     RoadBlock = road_block {
+        over: (LiesOver),
         path: (RoadPath),
         lanes: (Lanes),
         lane_width: (LaneWidth),
@@ -27,6 +28,8 @@ views! {
         other_crossings: [OtherCrossing],
         obstacles: [Obstacle],
     }
+    /// `over main { at: 20 m, angle: 90 deg }`
+    LiesOver = lies_over { name: Name, settings: Settings }
     /// `lanes forward, backward` or `lanes 2`
     Lanes = lanes { directions: [Direction], number: (Expression) }
     Direction = direction { is_backward: {kw_backward} }
@@ -80,6 +83,8 @@ views! {
         vehicles: [Vehicle],
         pedestrians: [Pedestrian],
         variations: [Variation],
+        draws: [Draw],
+        tables: [DrawTogether],
         run_count: (RunCount),
         repeat: (Repeat),
         runs: (Runs),
@@ -104,10 +109,16 @@ views! {
     }
     VaryTogether = vary_together { sampling: (Sampling), block: TogetherBlock }
     TogetherBlock = together_block { each: [Varied] }
+    /// `draw NAME from normal(5 m, 1 m)` or `draw NAME from "gaps.csv"`
+    Draw = draw { name: Name, distribution: (Distribution), file: (Text) }
+    /// `draw together from "exposure.csv"`
+    DrawTogether = draw_together { file: Text }
     /// `6 s .. 18 s step 4 s`
     Range = range { bounds: [Expression] }
     /// `uniform(6 s, 18 s)`
-    Distribution = distribution { name: DistributionName, values: [Expression] }
+    Distribution = distribution { name: DistributionName, values: [Expression], weighted: [WeightedValue] }
+    /// `child: 30 %`
+    WeightedValue = weighted_value { parts: [Expression] }
     DistributionName = distribution_name {}
     /// `100 times by sobol`
     Sampling = sampling { count: Integer, by_latin_hypercube: {kw_latin_hypercube}, by_sobol: {kw_sobol} }
@@ -178,6 +189,13 @@ pub static ROAD: BlockEntry = BlockEntry {
     name: "a `road`",
     heads: &[],
     statements: &[
+        statement(
+            "over",
+            Rule::lies_over,
+            "over main { at: 20 m, angle: 90 deg }",
+            "The road that it lies over, and where and at which angle their lanes 0 meet; vehicles say `on` to drive on it.",
+        )
+        .key("over", YamlShape::NamedSettings),
         statement(
             "path",
             Rule::path,
@@ -284,6 +302,8 @@ statement("cyclist", Rule::pedestrian, "cyclist NAME { … }", "Somebody on a bi
 statement("escooter", Rule::pedestrian, "escooter NAME { … }", "Somebody on an electric scooter, 1.2 m x 0.6 m if not said, who says what a pedestrian says.").key("escooters", YamlShape::Named).opens(BlockKind::Pedestrian).names().repeats(),
 statement("vary", Rule::vary, "vary tta in [6 s, 10 s]`, `vary tta in 6 s .. 18 s step 4 s` or `vary tta in uniform(6 s, 18 s) 100 times", "A name that takes several values; every combination of all `vary` lines is run.").key("vary", YamlShape::Values).names().repeats(),
 statement("vary together", Rule::vary_together, "vary together { a in [1 s, 2 s]; b in [3 m, 4 m] }", "Names whose values go together.").key("vary_together", YamlShape::Together).opens(BlockKind::Together).names().repeats(),
+statement("draw", Rule::draw, "draw NAME from uniform(3 s, 18 s)` or `draw NAME from \"gaps.csv\"", "A name that has another value in every run of a trial, drawn from a distribution or from a column of a file.").key("draw", YamlShape::Drawn).names().repeats(),
+statement("draw together from", Rule::draw_together, "draw together from \"exposure.csv\"", "Names that have a row of a file in every run: a column each, with units in its header, and perhaps a column `weight`.").key("draw_together", YamlShape::Text).repeats(),
 REPEAT.set_instead_of(Rule::runs, "repeat "),
 statement("runs", Rule::runs, "runs 50 .. 2000", "Runs are added until every criterion with confidence is decided; at least and at most so many.").key("runs", YamlShape::Words),
 statement("seed", Rule::seed, "seed 417", "The seed of the first run of each trial itself, whatever the suite's seed; others follow from it.").key("seed", YamlShape::Words).set("seed ", ""),

@@ -37,11 +37,14 @@ views! {
     GateBlock = gate_block { doc: (Doc), baseline: (Baseline), rules: [GateRule] }
     Baseline = baseline { path: Text }
     GateRule = gate_rule {
+        primary: (Primary),
         none_new: (NoneNew),
         metric: (Metric),
         tolerance: (GateTolerance),
         confidence: (Confidence),
     }
+    /// `primary collision not worse`
+    Primary = primary {}
     /// `no new collision`
     NoneNew = none_new { metric: Metric }
     /// `by more than 5 %`
@@ -107,7 +110,7 @@ pub static GATE: BlockEntry = BlockEntry {
         statement(
             "",
             Rule::gate_rule,
-            "no metric worse by more than 5 % with 95 % confidence` or `pet not worse by more than 0.2 s",
+            "no metric worse by more than 5 % with 95 % confidence` or `pet not worse by more than 0.2 s` or `primary collision not worse",
             "What may not get worse.",
         )
         .key("rules", YamlShape::Statements)

@@ -35,7 +35,7 @@ pub fn autoware() -> ControllerModel {
 
 fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError> {
     let settings = context.settings;
-    if !context.world.road.other_crossings.is_empty() && settings.flag("crosswalk_mapped") {
+    if !context.world.road_of(context.setup).other_crossings.is_empty() && settings.flag("crosswalk_mapped") {
         return Err(ModelError::with_hint(
             "`autoware` is given a map with one crosswalk, and the road has several crossings",
             "use `preset: lane_only`, or a road with one crossing",

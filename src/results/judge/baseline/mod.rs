@@ -147,7 +147,7 @@ pub struct Parts {
     pub people: String,
     /// How fast, in which lane and from where the vehicles come.
     pub traffic: String,
-    /// Step, horizon, finish line.
+    /// Step, horizon, finish line, and what every run draws.
     pub simulation: String,
 }
 

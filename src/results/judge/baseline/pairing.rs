@@ -84,7 +84,7 @@ pub enum WorldPart {
     People,
     /// How fast, in which lane and from where the vehicles come.
     Traffic,
-    /// Step, horizon, finish line.
+    /// Step, horizon, finish line, and what every run draws.
     Simulation,
 }
 
@@ -131,7 +131,7 @@ impl fmt::Display for Incompatible {
                     }
                     WorldPart::People => "the individuals differ (the population's file)",
                     WorldPart::Traffic => "the vehicles' speed, lane or start differs",
-                    WorldPart::Simulation => "step, horizon or finish line differs",
+                    WorldPart::Simulation => "step, horizon, finish line or what runs draw differs",
                 };
                 format!("{what} {}", in_trials(trials))
             }

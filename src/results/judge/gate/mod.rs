@@ -16,6 +16,7 @@ use numbers::inference::holm;
 use scenario::{Gate, GateRule, MetricReference, Reference, Tolerance};
 
 pub use changes::vehicle_changes;
+pub use power::{OFTEN, share_of_one};
 
 /// The rule that a comparison has where no gate is named: no metric worse by more than this.
 pub fn blanket_rule(tolerance: f64, confidence: f64) -> GateRule {
@@ -23,6 +24,7 @@ pub fn blanket_rule(tolerance: f64, confidence: f64) -> GateRule {
     GateRule {
         metric: None,
         tolerance: Tolerance::Relative(tolerance),
+        primary: false,
         confidence,
         text: format!(
             "no metric worse by more than {} % with {} % confidence",
@@ -51,6 +53,7 @@ fn no_new_collision() -> GateRule {
     GateRule {
         metric: Some(metric),
         tolerance: Tolerance::NoneNew { where_none_was: true },
+        primary: false,
         confidence: 1.0,
         text: "no new collision, where the baseline has none".to_string(),
         notation: None,
@@ -75,6 +78,32 @@ fn with_default(rules: &[GateRule], pairing: &Pairing) -> Vec<GateRule> {
         all.push(default);
     }
     all
+}
+
+/// How many comparisons share the error: primary ones have half of it for themselves, the others the other half.
+struct Families {
+    primary: usize,
+    others: usize,
+}
+
+impl Families {
+    fn of(asked: &[questions::Question], rules: &[GateRule]) -> Self {
+        let count = |primary: bool| {
+            let own = asked.iter().filter(|question| rules[question.rule].primary == primary);
+            own.filter(|question| question.shares_the_error()).count()
+        };
+        Self { primary: count(true), others: count(false) }
+    }
+
+    /// How many kinds of comparisons the error is divided between: nobody shares it with a kind of which there is none.
+    fn kinds(&self) -> usize {
+        usize::from(self.primary > 0) + usize::from(self.others > 0)
+    }
+
+    /// By how many one comparison of a kind shares the error.
+    fn comparisons(&self, primary: bool) -> usize {
+        self.kinds() * if primary { self.primary } else { self.others }
+    }
 }
 
 /// Judges what a gate says about a suite and a baseline of the same suite. With `lenient`, trials that the base lacks are left out instead of being a reason not to
@@ -107,14 +136,19 @@ pub fn judge_rules(
     let rules = &with_default(rules, pairing);
     let questions::Questions { asked, without_values, new_metrics, unnamed_flags } =
         questions::ask(rules, pairing)?;
-    let family = asked.iter().filter(|question| question.shares_the_error()).count();
+    let families = Families::of(&asked, rules);
     let seed = pairing.candidate.seed;
-    let mut checks: Vec<Check> =
-        asked.iter().map(|question| check::measure(question, family, seed)).collect();
-    let p_values: Vec<f64> = checks.iter().filter_map(|check| check.p_value).collect();
-    let mut adjusted = holm(&p_values).into_iter();
-    for check in checks.iter_mut().filter(|check| check.p_value.is_some()) {
-        check.adjusted_p_value = adjusted.next();
+    let mut checks: Vec<Check> = asked
+        .iter()
+        .map(|question| check::measure(question, families.comparisons(rules[question.rule].primary), seed))
+        .collect();
+    for primary in [true, false] {
+        let shares = |check: &&mut Check| check.p_value.is_some() && rules[check.rule].primary == primary;
+        let own: Vec<&mut Check> = checks.iter_mut().filter(shares).collect();
+        let p_values: Vec<f64> = own.iter().filter_map(|check| check.p_value).collect();
+        for (check, adjusted) in own.into_iter().zip(holm(&p_values)) {
+            check.adjusted_p_value = Some((adjusted * families.kinds() as f64).min(1.0));
+        }
     }
     for (check, question) in checks.iter_mut().zip(&asked) {
         check.decide(question);
@@ -137,7 +171,8 @@ pub fn judge_rules(
         verdict,
         checks,
         rules: rules.iter().map(|rule| rule.text.clone()).collect(),
-        family,
+        family: families.primary + families.others,
+        primary: families.primary,
         blind_rules,
         blind_places,
         unnamed_flags,

@@ -44,6 +44,11 @@ pub fn of_rate(pairs: u64, tolerance: f64, level: f64) -> Power {
     Power::Share(share_for(least as usize, pairs as usize))
 }
 
+/// The share of `runs` that must have what is new for one of them to have it so often.
+pub fn share_of_one(runs: usize) -> f64 {
+    share_for(1, runs)
+}
+
 /// The share of runs that must get worse for at least `least` of `pairs` to do so often enough.
 fn share_for(least: usize, pairs: usize) -> f64 {
     if least >= pairs {
@@ -70,6 +75,14 @@ mod tests {
             let share = share_for(least, pairs);
             let often = binomial_at_least(least as u64, pairs as u64, share);
             assert!((often - OFTEN).abs() < 1e-6, "{least} of {pairs}: {often}");
+        }
+    }
+
+    #[test]
+    fn one_is_there_as_often_as_said() {
+        for runs in [1, 20, 320] {
+            let none = libm::pow(1.0 - share_of_one(runs), runs as f64);
+            assert!((1.0 - none - OFTEN).abs() < 1e-9, "{runs}: {none}");
         }
     }
 

@@ -122,6 +122,46 @@ fn what_did_not_change_holds() {
     assert_eq!(verdict.unnamed_flags, ["collision"]);
 }
 
+/// A rule on safety need not wait until as many collide as it takes to be told from luck in dozens of other comparisons.
+#[test]
+fn a_primary_rule_shares_its_error_with_no_other() {
+    let names =
+        ["collision", "pet", "time_lost", "max_jerk", "rms_jerk", "drac", "max_deceleration", "travel_time"];
+    let trials = [trial("walk/tta=6s", 320), trial("run/tta=6s", 320)];
+    let suite = |collisions: usize| {
+        baseline(&names, &trials, move |metric, trial, run| {
+            let collides = trial == 0 && run < collisions;
+            Some(if metric == "collision" { f64::from(collides) } else { around(run, 7) })
+        })
+    };
+    // Beside a tolerance, however small, what is new is not asked for by default: it would tell at once.
+    let rules = |primary: bool| {
+        let collisions = named("collision", Tolerance::Relative(1e-12));
+        vec![GateRule { primary, ..collisions }, five_percent().remove(0)]
+    };
+    let judged = |primary: bool, collisions: usize| judge(&rules(primary), &suite(0), &suite(collisions));
+    // Of 16 comparisons it takes 10, of two that share half of the error 8.
+    for (collisions, alone, among_all) in
+        [(7, false, false), (8, true, false), (9, true, false), (10, true, true)]
+    {
+        let failed = |primary: bool| judged(primary, collisions).verdict == Verdict::Failed;
+        assert_eq!((failed(true), failed(false)), (alone, among_all), "{collisions} collisions");
+    }
+    let (with, without) = (judged(true, 8), judged(false, 8));
+    assert_eq!(((with.family, with.primary), (without.family, without.primary)), ((16, 2), (16, 0)));
+    // 2^-8 twice for two comparisons, twice for the two kinds.
+    let check = outcome(&with, "collision", ComparedSubject::Rate);
+    assert!((check.adjusted_p_value.unwrap() - 4.0 / 256.0).abs() < 1e-4, "{check:?}");
+    // Where all rules are primary or none is, nobody shares with anybody else.
+    let alone = judge(&rules(true)[..1], &suite(0), &suite(8));
+    let plain = judge(&rules(false)[..1], &suite(0), &suite(8));
+    let adjusted =
+        |verdict: &GateVerdict| outcome(verdict, "collision", ComparedSubject::Rate).adjusted_p_value;
+    assert_eq!(adjusted(&alone), adjusted(&plain));
+    let powers = |verdict: &GateVerdict| verdict.checks.iter().map(|check| check.power).collect::<Vec<_>>();
+    assert_eq!(powers(&alone), powers(&plain));
+}
+
 #[test]
 fn a_shift_counts_in_the_direction_that_is_worse() {
     let metrics = ["pet", "time_lost"];

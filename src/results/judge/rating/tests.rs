@@ -71,6 +71,7 @@ fn outcome(speed: Option<f64>) -> Outcome {
         key: "s/a/rep=1".into(),
         seed: 1,
         individuals: Vec::new(),
+        drawn: Vec::new(),
         ending: Ending { reason: StopReason::Completed, time: 20.0 },
         metrics: vec![speed.map(|speed| speed * KM_H)],
         critical: Default::default(),

@@ -80,6 +80,7 @@ fn outcomes(values: impl IntoIterator<Item = Option<f64>>) -> Vec<Outcome> {
         key: "a/b/rep=1".into(),
         seed: 1,
         individuals: Vec::new(),
+        drawn: Vec::new(),
         ending: Ending { reason: StopReason::Completed, time: 10.0 },
         metrics: vec![value],
         critical: Default::default(),

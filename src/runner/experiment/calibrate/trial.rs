@@ -147,6 +147,19 @@ impl CandidateTrial<'_> {
             candidate + 1,
             if pass == 1 { "/fresh" } else { "" }
         );
+        let noise = self.candidates.noise(candidate);
+        let seed = |run: u32| {
+            let (scenario, label) = (&condition.scenario.name, condition.label());
+            derive_seed(self.seed, &format!("{scenario}/{label}/{noise}/{pass}/{run}"))
+        };
+        if condition.scenario.is_drawn() {
+            // Every run draws what the candidate does not bring.
+            let drawn = |run: u32| {
+                let (key, variation) = (format!("{key}/rep={run}"), condition.variation.clone());
+                plan::concrete_case(&condition.scenario, key, variation, vec![person.clone()], run, seed(run))
+            };
+            return Ok((1..=self.runs).map(drawn).collect::<Result<_, _>>()?);
+        }
         let first = plan::concrete_case(
             &condition.scenario,
             key.clone(),
@@ -155,14 +168,10 @@ impl CandidateTrial<'_> {
             1,
             0,
         )?;
-        let noise = self.candidates.noise(candidate);
         let case = |run: u32| Case {
             key: format!("{key}/rep={run}"),
             repetition: run,
-            seed: derive_seed(
-                self.seed,
-                &format!("{}/{}/{noise}/{pass}/{run}", condition.scenario.name, condition.label()),
-            ),
+            seed: seed(run),
             ..first.clone()
         };
         Ok((1..=self.runs).map(case).collect())

@@ -29,6 +29,7 @@ fn outcomes(context: &Context, came: &[Came]) -> Vec<Outcome> {
             key: "a/b/rep=1".into(),
             seed: 1,
             individuals: Vec::new(),
+            drawn: Vec::new(),
             ending: Ending { reason: StopReason::Horizon, time: 60.0 },
             metrics: vec![value; count],
             critical: ByMetric::default(),

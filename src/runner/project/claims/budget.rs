@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use super::trials::{ByFinding, TrialsAbout};
 use crate::plan::{self, PlanError};
-use crate::run::drawing;
+use crate::run::nothing_is_drawn;
 use lang::{Code, Diagnostic, Sources, Span};
 use numbers::inference::{self, ConfidenceSequence};
 use results::Verdict;
@@ -121,7 +121,7 @@ pub fn examine_criteria(suite: &Suite, sources: &Sources) -> Vec<Diagnostic> {
         }
         for ((criterion, needed), about) in short {
             let diagnostic = match needed {
-                Needed::Runs(needed) if criterion.reach.people == Some(People::All) => {
+                Needed::Runs(needed) if is_of_chosen_people(&criterion) => {
                     too_few_people(&criterion, needed, people, sources)
                 }
                 needed => never_passes(scenario, &criterion, needed, runs, rounds, sources),
@@ -186,7 +186,7 @@ fn examine_trials(suite: &Suite, scenario: &Scenario) -> Result<ExaminedTrials, 
             }
             let decides = criterion.claim.confidence().is_some();
             found.decides |= decides;
-            let all_people = criterion.reach.people == Some(People::All);
+            let all_people = is_of_chosen_people(criterion);
             if decides && !all_people && without_chance.contains(&trial.key) {
                 let same = |known: &Criterion| known.origin == criterion.origin;
                 found.certain.add(&trial, same, || criterion.clone());
@@ -208,6 +208,11 @@ fn examine_trials(suite: &Suite, scenario: &Scenario) -> Result<ExaminedTrials, 
         }
     }
     Ok(found)
+}
+
+/// Whether it speaks of all people, from those who were chosen beforehand; where runs draw people each run is somebody.
+fn is_of_chosen_people(criterion: &Criterion) -> bool {
+    criterion.reach.people == Some(People::All) && !criterion.reach.drawn_people
 }
 
 /// A budget of runs that nothing decides about.
@@ -254,8 +259,7 @@ fn without_chance(suite: &Suite, scenario: &Scenario) -> HashSet<String> {
         return HashSet::new();
     }
     let trials = plan::probe_scenario(suite, scenario).unwrap_or_default();
-    let certain =
-        |trial: &plan::PlannedTrial| trial.cases.worlds().iter().all(|world| drawing(world).is_empty());
+    let certain = |trial: &plan::PlannedTrial| nothing_is_drawn(&trial.cases);
     trials.into_iter().filter(certain).map(|trial| trial.key.clone()).collect()
 }
 

@@ -1,6 +1,7 @@
 //! What is wrong with what a suite claims, found before anything runs.
 
 mod budget;
+mod drawn;
 mod lanes;
 mod single;
 mod trials;
@@ -15,6 +16,7 @@ pub fn examine_claims(suite: &Suite, sources: &Sources) -> Vec<Diagnostic> {
     let mut found = budget::examine_criteria(suite, sources);
     found.extend(trivial::examine_bounds(suite, sources));
     found.extend(single::examine_single_runs(suite, sources));
+    found.extend(drawn::examine_drawn(suite, sources));
     found.extend(lanes::examine_lanes(suite, sources));
     found
 }

@@ -22,7 +22,7 @@ pub(super) fn examine_single_runs(suite: &Suite, sources: &Sources) -> Vec<Diagn
 }
 
 /// Whether it sums up runs. Extremes and counts say the same of one run as of many.
-fn is_about_many(criterion: &Criterion) -> bool {
+pub(super) fn is_about_many(criterion: &Criterion) -> bool {
     match &criterion.claim {
         Claim::Runs { share, .. } => share.is_some_and(|share| share > 0.0 && share < 1.0),
         Claim::Aggregate { aggregate, .. } => {
@@ -44,7 +44,7 @@ fn of_scenario(suite: &Suite, scenario: &Scenario, sources: &Sources) -> Vec<Dia
             .label("yes or no in each trial")
             .note(means(&criterion, runs))
             .hint(format!(
-                "say what has to hold in every run, or give every trial many runs: `repeat 100` in scenario `{}`",
+                "say what has to hold in every run, or let every run draw a value of its own: `draw` instead of `vary`, and `repeat 100` in scenario `{}`",
                 scenario.name
             ));
         about.note(diagnostic, scenario, trials)

@@ -1,0 +1,321 @@
+//! `draw …`: what every run draws anew.
+
+use std::collections::{HashMap, HashSet};
+
+use super::block::Layer;
+use super::draw_table::{self, ReadTable};
+use super::places::Places;
+use super::variation::{DrawnFrom, drawn_from, varied_names};
+use crate::codes::Code;
+use crate::diagnostic::Diagnostic;
+use crate::settings::repeated;
+use crate::source::Span;
+use crate::syntax::ast;
+use crate::value::{Binding, Typed, ValueKind};
+use scenario::{Criterion, DeclaredDraw, DrawSource, DrawTable, Expression, Variation, VariedValue};
+
+/// Every draw of a scenario, what others depend on first. Their names are added to `bindings`; a variation of an earlier layer is taken
+/// out of `variations` where a draw gives its name values, and a draw is left out where a later layer varies its name.
+pub fn draws(
+    layers: &[Layer<ast::ScenarioBlock>],
+    variations: &mut Vec<Variation>,
+    bindings: &mut HashMap<String, Binding>,
+    places: &Places,
+    report: &mut Vec<Diagnostic>,
+) -> Vec<DeclaredDraw> {
+    let mut draws: Vec<DeclaredDraw> = Vec::new();
+    for (index, layer) in layers.iter().enumerate() {
+        let varied_by = |layers: &[Layer<ast::ScenarioBlock>]| -> HashMap<String, Span> {
+            let nodes = layers.iter().flat_map(|layer| layer.block.variations()).flat_map(varied_names);
+            nodes.map(|(name, span)| (name.to_string(), span)).collect()
+        };
+        let here = varied_by(&layers[index..=index]);
+        let later = varied_by(&layers[index + 1..]);
+        let mut said: HashMap<String, Span> = HashMap::new();
+        let tables = layer.block.tables().filter_map(|node| table(node, places, report));
+        let tables: Vec<Found> = tables.collect();
+        let mut found = tables.into_iter().map(Ok).chain(layer.block.draws().map(Err)).collect::<Vec<_>>();
+        for one in found.drain(..) {
+            let one = match one {
+                Ok(table) => table,
+                Err(node) => {
+                    // Poisoned unless it turns out well.
+                    let name = node.name();
+                    let known = bindings.clone();
+                    if !later.contains_key(name.text()) {
+                        bindings.insert(name.text().to_string(), Binding::new(None, name.span()));
+                    }
+                    match single(node, layer, &known, places, report) {
+                        Some(one) => one,
+                        None => continue,
+                    }
+                }
+            };
+            let Found { mut draw, columns } = one;
+            for column in columns {
+                let name = &column.name;
+                if let Some(first) =
+                    said.insert(name.clone(), column.span).or_else(|| here.get(name).copied())
+                {
+                    report.push(repeated(name, column.span, first));
+                }
+                draws.iter_mut().for_each(|earlier| leave_out(earlier, name));
+                if later.contains_key(name) {
+                    leave_out(&mut draw, name);
+                    continue;
+                }
+                let grouped =
+                    variations.iter().find(|one| one.names().len() > 1 && one.names().contains(name));
+                if let Some(group) = grouped.filter(|_| !here.contains_key(name)) {
+                    let others: Vec<_> = group.names().iter().filter(|other| *other != name).collect();
+                    report.push(
+                        Diagnostic::new(
+                            Code::UnknownVariation,
+                            column.span,
+                            format!(
+                                "drawing `{name}` leaves `{}` without values: they are varied together",
+                                others[0]
+                            ),
+                        )
+                        .label("replaces what it is varied together with")
+                        .hint(format!("draw `{}` as well, or vary it anew", others[0])),
+                    );
+                }
+                variations.retain(|variation| !variation.names().contains(name));
+                let typed = Typed::variable(name, column.kind, column.notation, column.span);
+                let mut binding = Binding::new(Some(typed), column.span);
+                binding.varied = column.values;
+                bindings.insert(name.clone(), binding);
+            }
+            draws.retain(|earlier| !earlier.names.is_empty());
+            draws.push(draw);
+        }
+    }
+    draws.retain(|draw| !draw.names.is_empty());
+    in_order(draws, bindings, report)
+}
+
+/// A draw with what its names are.
+struct Found {
+    draw: DeclaredDraw,
+    columns: Vec<NamedColumn>,
+}
+
+struct NamedColumn {
+    name: String,
+    span: Span,
+    kind: ValueKind,
+    notation: Option<scenario::Notation>,
+    values: Option<Vec<VariedValue>>,
+}
+
+/// Takes a name out of what a draw gives values to.
+fn leave_out(draw: &mut DeclaredDraw, name: &str) {
+    let Some(index) = draw.names.iter().position(|known| known == name) else { return };
+    draw.names.remove(index);
+    if let DrawSource::Table(table) = &mut draw.from {
+        table.rows.iter_mut().for_each(|row| _ = row.remove(index));
+    }
+}
+
+/// `draw NAME from normal(5 m, 1 m)` or `draw NAME from "gaps.csv"`
+fn single(
+    node: ast::Draw,
+    layer: &Layer<ast::ScenarioBlock>,
+    known: &HashMap<String, Binding>,
+    places: &Places,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Found> {
+    let (name, span) = (node.name().text().to_string(), node.name().span());
+    let origin = places.origin(node.span());
+    if let Some(file) = node.file() {
+        let (path, table) = read(file, places, report)?;
+        let Some(index) = table.by_name().get(name.as_str()).copied() else {
+            let names = table.columns.iter().map(|column| column.name.as_str());
+            report.push(
+                Diagnostic::new(Code::BadDraw, span, format!("the file has no column `{name}`"))
+                    .label("not in its header")
+                    .suggest(&name, names),
+            );
+            return None;
+        };
+        return Some(of_columns(&path, &table, &[index], span, origin));
+    }
+    let others: HashMap<String, Binding> = known
+        .iter()
+        .filter(|(other, _)| **other != name)
+        .map(|(other, one)| (other.clone(), one.clone()))
+        .collect();
+    let DrawnFrom { kind, notation, distribution } =
+        drawn_from(node.distribution()?, layer.scope, &others, report)?;
+    let unit = match kind {
+        ValueKind::Number(dimension) => dimension.si_unit(),
+        _ => String::new(),
+    };
+    let values = distribution.options().map(<[_]>::to_vec);
+    let from = DrawSource::Distribution { distribution, unit };
+    let draw = DeclaredDraw { names: vec![name.clone()], from, origin };
+    Some(Found { draw, columns: vec![NamedColumn { name, span, kind, notation, values }] })
+}
+
+/// `draw together from "exposure.csv"`
+fn table(node: ast::DrawTogether, places: &Places, report: &mut Vec<Diagnostic>) -> Option<Found> {
+    let file = node.file();
+    let (path, table) = read(file, places, report)?;
+    let all: Vec<usize> = (0..table.columns.len()).collect();
+    Some(of_columns(&path, &table, &all, file.span(), places.origin(node.span())))
+}
+
+fn read(file: ast::Text, places: &Places, report: &mut Vec<Diagnostic>) -> Option<(String, ReadTable)> {
+    let path = places.beside(file.span(), &file.value());
+    match draw_table::read(&path, places) {
+        Ok(table) => Some((path, table)),
+        Err((message, hint)) => {
+            let found = Diagnostic::new(Code::BadDraw, file.span(), message);
+            report.push(found.label("cannot be drawn from").hint(hint));
+            None
+        }
+    }
+}
+
+fn of_columns(
+    path: &str,
+    table: &ReadTable,
+    columns: &[usize],
+    span: Span,
+    origin: scenario::Origin,
+) -> Found {
+    let rows = table.of_columns(columns);
+    let named = |(place, index): (usize, &usize)| {
+        let column = &table.columns[*index];
+        // One of a long table stands for many.
+        let values = rows.iter().map(|row| row[place].clone()).collect();
+        NamedColumn {
+            name: column.name.clone(),
+            span,
+            kind: column.kind,
+            notation: column.notation,
+            values: Some(values),
+        }
+    };
+    let columns: Vec<NamedColumn> = columns.iter().enumerate().map(named).collect();
+    let draw = DeclaredDraw {
+        names: columns.iter().map(|column| column.name.clone()).collect(),
+        from: DrawSource::Table(DrawTable {
+            file: path.to_string(),
+            stream: format!(
+                "table/{}",
+                columns.iter().map(|one| one.name.as_str()).collect::<Vec<_>>().join("+")
+            ),
+            rows,
+            weights: table.weights.clone(),
+        }),
+        origin,
+    };
+    Found { draw, columns }
+}
+
+/// What a draw depends on stands before it. A later layer may have drawn that anew, and so moved it behind.
+fn in_order(
+    mut draws: Vec<DeclaredDraw>,
+    bindings: &HashMap<String, Binding>,
+    report: &mut Vec<Diagnostic>,
+) -> Vec<DeclaredDraw> {
+    let mut ordered: Vec<DeclaredDraw> = Vec::new();
+    while !draws.is_empty() {
+        let is_ready = |draw: &DeclaredDraw| {
+            let others =
+                draws.iter().filter(|other| other.names != draw.names).flat_map(|other| &other.names);
+            !others.into_iter().any(|name| draw.depends_on().contains(&name.as_str()))
+        };
+        let Some(ready) = draws.iter().position(is_ready) else {
+            let names: Vec<_> =
+                draws.iter().flat_map(|draw| &draw.names).map(|name| format!("`{name}`")).collect();
+            let place = draws.last().and_then(|draw| bindings.get(&draw.names[0]));
+            report.extend(place.map(|binding| {
+                let message = format!("{} depend on each other", names.join(" and "));
+                Diagnostic::new(Code::BadDistribution, binding.span, message)
+                    .label("in a circle")
+                    .hint("let one of them depend on nothing that is drawn")
+            }));
+            ordered.append(&mut draws);
+            break;
+        };
+        ordered.push(draws.remove(ready));
+    }
+    ordered
+}
+
+/// Refuses criteria whose bounds or conditions depend on what is drawn: they are about all runs of a trial together.
+pub fn refuse_in_criteria(
+    draws: &[DeclaredDraw],
+    criteria: &[(Span, Criterion)],
+    report: &mut Vec<Diagnostic>,
+) {
+    let drawn: HashSet<&str> = draws.iter().flat_map(|draw| &draw.names).map(String::as_str).collect();
+    for (span, criterion) in criteria {
+        let bounds = criterion.claim.bounds();
+        let names = bounds.iter().flat_map(|bound| Expression::variables(bound));
+        let names = names.chain(criterion.when.iter().map(|condition| condition.variable.as_str()));
+        if let Some(name) = { names }.find(|name| drawn.contains(name)) {
+            report.push(
+                Diagnostic::new(
+                    Code::NotConstant,
+                    *span,
+                    format!("`{name}` is another one in every run, and a criterion is about all of them"),
+                )
+                .label(format!("depends on `{name}`, which is drawn"))
+                .hint(format!(
+                    "write a constant, or `vary {name}` so that every value is a trial of its own"
+                )),
+            );
+        }
+    }
+}
+
+/// Leaves out draws that nothing depends on any more, of what the scenario builds on, and refuses its own: runs would look different and be
+/// the same. Columns of a table are let off if others of it are used.
+pub fn leave_out_unused(
+    draws: &mut Vec<DeclaredDraw>,
+    layers: &[Layer<ast::ScenarioBlock>],
+    bindings: &HashMap<String, Binding>,
+    used: &HashSet<&str>,
+    report: &mut Vec<Diagnostic>,
+) {
+    let own = layers.last().map(|layer| layer.block.span());
+    let is_own = |span: Span| {
+        own.is_some_and(|own| own.source == span.source && own.start <= span.start && span.end <= own.end)
+    };
+    loop {
+        let by_others = |name: &String| {
+            used.contains(name.as_str())
+                || draws.iter().any(|draw| draw.depends_on().contains(&name.as_str()))
+        };
+        let Some(idle) = draws.iter().position(|draw| !draw.names.iter().any(by_others)) else { return };
+        let draw = draws.remove(idle);
+        let Some(binding) = bindings.get(&draw.names[0]).filter(|binding| is_own(binding.span)) else {
+            continue;
+        };
+        let names: Vec<_> = draw.names.iter().map(|name| format!("`{name}`")).collect();
+        report.push(
+            Diagnostic::new(
+                Code::IdleDraw,
+                binding.span,
+                format!("drawing {} changes nothing", names.join(", ")),
+            )
+            .label("no road user depends on it")
+            .hint("use it in a value of a road user, or leave it out"),
+        );
+    }
+}
+
+/// Says nothing of names that may well be columns of a file that could not be read.
+pub fn leave_out_unknown(before: usize, report: &mut Vec<Diagnostic>) {
+    if report[before..].iter().any(|finding| finding.code == Code::BadDraw) {
+        let mut place = 0;
+        report.retain(|finding| {
+            place += 1;
+            place <= before || finding.code != Code::UnknownName
+        });
+    }
+}
