@@ -118,7 +118,7 @@ proptest! {
         for name in ["scripted", "social_force"] {
             let mut people: Vec<_> = places.iter().enumerate().map(|(number, place)| somebody(number, clear(name, number), *place)).collect();
             people.iter_mut().filter(|_| name == "social_force").for_each(|one| _ = one.model.settings.0.insert("desired_speed".into(), Value::Number(1.4)));
-            // Its force moves it along its way alone, so that it goes round what is wide too slowly.
+            // No force of a box moves it aside, so that it goes round what is wide too slowly.
             let course = run(&among(people, parked.filter(|_| name == "scripted")), seed);
             for (number, place) in places.iter().enumerate() {
                 let last = course.points(&format!("walker_{number}")).last().unwrap();
@@ -178,4 +178,33 @@ fn commotions_people_follow_each_other() {
     let settled = gaps[gaps.len() / 3];
     assert!((settled - 1.0).abs() < 0.02, "{settled}");
     assert!(behind.iter().all(|place| place[0] == 0.0));
+}
+
+/// Two who follow each other come head on to one, exactly and nearly: nobody is walked backwards, and all arrive.
+#[test]
+fn nobody_is_pushed_back_by_those_who_come() {
+    for aside in [0.0, 1e-9, 0.03, 0.2] {
+        let places = [(0.0, true, 1.0), (aside, false, 0.7), (aside, false, 1.5)];
+        let mut people: Vec<_> = places
+            .iter()
+            .enumerate()
+            .map(|(number, place)| somebody(number, clear("social_force", number), *place))
+            .collect();
+        people.iter_mut().for_each(|one| {
+            one.model.settings.0.insert("desired_speed".into(), Value::Number(1.4));
+        });
+        let course = run(&among(people, None), 0);
+        assert!(least(&course, 3) > 0.0, "{aside}");
+        for (number, place) in places.iter().enumerate() {
+            let way = if place.1 { 1.0 } else { -1.0 };
+            let along: Vec<_> =
+                course.points(&format!("walker_{number}")).map(|point| way * point[1]).collect();
+            assert!(along.last().is_some_and(|last| *last > 2.0), "{aside} {number} {:?}", along.last());
+            // Who evades may lead a step back round another, which is no way back.
+            let most = along.iter().fold((f64::NEG_INFINITY, 0.0_f64), |(far, back), place| {
+                (far.max(*place), back.max(far.max(*place) - place))
+            });
+            assert!(most.1 < 0.3, "{aside} {number}: {} m back", most.1);
+        }
+    }
 }

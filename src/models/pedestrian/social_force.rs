@@ -1,7 +1,7 @@
 //! The social force pedestrian of Helbing and Molnár 1995, with vehicles as obstacles that it keeps away from.
 //!
-//! It makes no decision to wait or go: it walks to its goal, slowed or sped up by the repulsion of vehicles and other people. It moves
-//! along its way only.
+//! It makes no decision to wait or go: it walks to its goal, slowed or sped up by the repulsion of vehicles and other people. Vehicles
+//! move it along its way only; people also to the side, but not back.
 
 use nalgebra::Vector2;
 
@@ -176,6 +176,8 @@ struct SocialForce {
     fluctuations: Stream,
     /// When it appeared, s.
     appeared: Option<f64>,
+    /// To which velocity other people have pushed it to the left of its way, m/s.
+    aside: f64,
     mode: &'static str,
 }
 
@@ -228,6 +230,7 @@ fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError>
         noise: settings.number("noise"),
         fluctuations: stream(context.seed, me, Purpose::Motion),
         appeared: None,
+        aside: 0.0,
         mode: "waiting",
     }))
 }
@@ -301,15 +304,24 @@ impl Pedestrian for SocialForce {
         let others = scene.pedestrians.iter().enumerate();
         let others = others.filter(|(index, other)| *index != scene.me && other.present);
         let people = others.map(|(_, other)| self.repulsion.force_of_person(other, ego.position, way));
-        let repulsion = sum_in_any_order(forces.chain(people));
-        let mut faster =
-            speed + ((self.desired_speed - speed) / self.relaxation_time + repulsion.dot(&way)) * scene.step;
+        let (from_vehicles, from_people) = (sum_in_any_order(forces), sum_in_any_order(people));
+        let mut faster = speed
+            + ((self.desired_speed - speed) / self.relaxation_time + from_vehicles.dot(&way)) * scene.step;
+        // At most people stop it: a group that comes head on would else walk it backwards all the way.
+        faster = (faster + from_people.dot(&way) * scene.step).max(faster.min(0.0));
         if self.noise > 0.0 {
             // White noise of acceleration whose effect on the relaxing speed has this standard deviation.
             faster +=
                 self.noise * libm::sqrt(2.0 * scene.step / self.relaxation_time) * self.fluctuations.normal();
         }
-        Motion::Walk(way * faster.clamp(-self.max_speed, self.max_speed))
+        let left = Vector2::new(-way.y, way.x);
+        self.aside += (from_people.dot(&left) - self.aside / self.relaxation_time) * scene.step;
+        let ahead = way * faster.clamp(-self.max_speed, self.max_speed);
+        // Who is alone has no side to go to, not even one of 0.
+        Motion::Walk(match self.aside == 0.0 {
+            true => ahead,
+            false => (ahead + left * self.aside).cap_magnitude(self.max_speed),
+        })
     }
 
     fn mode(&self) -> Mode {
@@ -405,6 +417,26 @@ mod tests {
         let coming = PedestrianState { velocity: Vector2::new(0.0, -1.0), ..other };
         let force = repulsion().force_of_person(&coming, Vector2::new(0.0, -3.0), Vector2::y());
         assert!(force.y < 3.0 * at(-3.0, 1.0), "{force}");
+    }
+
+    /// The slope of the paper's potential in one step, across the way as well; and who is rushed at stands.
+    #[test]
+    fn people_push_to_the_side_and_never_back() {
+        let given = || Settings::from([("desired_speed", Value::Number(1.4))]);
+        let mut walk = Walk::new(&social_force(), given());
+        let offset = Vector2::new(-0.3, 0.6);
+        walk.add_person(walk.position() + offset, Vector2::zeros());
+        let Motion::Walk(first) = walk.step() else { panic!("it walks") };
+        let away = -offset.normalize() * (2.1 / 0.3 * libm::exp(-offset.norm() / 0.3));
+        assert!((first.x - away.x * 0.025).abs() < 1e-12 && away.x > 0.0, "{first}");
+        assert!((first.y - (1.4 / 0.5 + away.y) * 0.025).abs() < 1e-12, "{first}");
+
+        let mut walk = Walk::new(&social_force(), given());
+        walk.add_person(walk.position() + Vector2::new(0.0, 0.55), Vector2::new(0.0, -0.25));
+        for _ in 0..40 {
+            walk.step();
+            assert!(walk.state().velocity.y >= 0.0);
+        }
     }
 
     #[test]

@@ -58,6 +58,11 @@ impl Walk {
         });
     }
 
+    /// Somebody else, whom nothing moves.
+    pub fn add_person(&mut self, position: Vector2<f64>, velocity: Vector2<f64>) {
+        self.states.push(PedestrianState { position, velocity, ..self.states[0] });
+    }
+
     pub fn position(&self) -> Vector2<f64> {
         self.states[0].position
     }
