@@ -15,6 +15,7 @@
 // Their failing is a panic: a closed pipe would end the program with the code of a bug.
 #![deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro)]
 
+mod clear_ahead;
 mod contact;
 mod control;
 mod course;
