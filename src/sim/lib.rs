@@ -43,6 +43,7 @@ mod timeline;
 mod trace;
 mod turning;
 mod wait_for_green;
+mod way;
 
 pub use contact::{Contacts, Touch};
 pub use course::{

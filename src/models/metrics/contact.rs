@@ -213,8 +213,13 @@ impl Meter for ImpactPoint {
         }
         let reference = place + person.heading * self.reference;
         let beyond = match self.side {
-            Some(side) if car.steered.is_none() => car.path.beyond(reference, side),
-            _ => self.way.dot(&left).signum() * (reference - centre).dot(&left),
+            Some(side) if car.keeps_straight() => car.path.beyond(reference, side),
+            // Of the front itself, which in a bend is beside the lane's centre.
+            Some(side) => {
+                let far = car.path.locate(reference).far();
+                side.walking_sign() * far * (reference - centre).dot(&left)
+            }
+            None => self.way.dot(&left).signum() * (reference - centre).dot(&left),
         };
         self.found = Some(0.5 + beyond / car.width);
     }
