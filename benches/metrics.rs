@@ -116,6 +116,7 @@ fn world() -> World {
             side: Side::Near,
             start: Position { x: 0.0, y: -4.0 },
             goal: Position { x: 0.0, y: 4.0 },
+            follows: None,
             stops: Vec::new(),
             crossing: 0,
             appears: Appearance::At(0.0),

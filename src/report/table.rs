@@ -1,5 +1,6 @@
 //! A compact table per scenario for the terminal: variation values down, the criteria's metrics across.
 
+use std::cmp::Ordering;
 use std::collections::HashMap;
 
 use anstyle::{AnsiColor, Style};
@@ -11,7 +12,7 @@ use files::escape::{terminal, terminal_line};
 use results::{
     MOST_SHOWN, Requests, ScenarioSummary, Standing, SuiteReport, TrialReport, TrialState, Verdict,
 };
-use scenario::{Metric, Notation};
+use scenario::{Criterion, Metric, MetricReference, Notation, Origin, Worst};
 
 /// Wider labels are cut.
 const WIDEST_LABEL: usize = 40;
@@ -27,6 +28,15 @@ pub struct Column<'r> {
     pub label: String,
     /// That of the first criterion about it; `None` for the SI unit.
     pub unit: Option<Notation>,
+    /// Of a criterion over a group its members, each with where its value is in the outcomes; otherwise nobody.
+    pub members: Vec<MemberColumn<'r>>,
+}
+
+/// One of those that a criterion over a group is about.
+pub struct MemberColumn<'r> {
+    pub name: String,
+    index: usize,
+    reference: &'r MetricReference,
 }
 
 impl Column<'_> {
@@ -35,8 +45,40 @@ impl Column<'_> {
         Digest::heading(self.metric, &self.label, self.unit)
     }
 
+    /// What it came to in a trial; of a group what it came to for the member of whom it is worst, and who that is.
     pub fn cell(&self, trial: &TrialReport) -> String {
-        Digest::new(self.metric, self.unit, &trial.outcomes, self.index).short()
+        let of = |index| Digest::new(self.metric, self.unit, &trial.outcomes, index).short();
+        match self.worst_member(trial) {
+            None => of(self.index),
+            Some(member) => format!("{} {}", of(member.index), member.name),
+        }
+    }
+
+    /// Of a group: the member of whom the verdict is worst; of those whose verdicts are alike, the one with the worst value in any run.
+    fn worst_member(&self, trial: &TrialReport) -> Option<&MemberColumn<'_>> {
+        let worse = |value: f64| if self.metric.worst == Worst::Smallest { -value } else { value };
+        let worst = |member: &MemberColumn| {
+            let values = trial.outcomes.iter().filter_map(|run| run.metrics[member.index]);
+            values.map(worse).fold(f64::NEG_INFINITY, f64::max)
+        };
+        let key = |member: &MemberColumn| (verdict_on(trial, member.reference), worst(member));
+        // The first of those that are equal.
+        self.members.iter().reduce(|one, other| {
+            let (known, new) = (key(one), key(other));
+            if (new.0, new.1).partial_cmp(&(known.0, known.1)) == Some(Ordering::Greater) {
+                other
+            } else {
+                one
+            }
+        })
+    }
+
+    /// The worst verdict of a trial on it.
+    fn verdict(&self, trial: &TrialReport, requests: &Requests) -> Option<Verdict> {
+        match &self.members[..] {
+            [] => worst(trial, self.index, requests),
+            members => members.iter().filter_map(|member| verdict_on(trial, member.reference)).max(),
+        }
     }
 }
 
@@ -54,10 +96,93 @@ pub fn columns<'r>(scenarios: &'r [&ScenarioSummary], requests: &'r Requests) ->
             && !columns.iter().any(|known| known.index == index)
         {
             let unit = written_unit(criteria(), reference, metric);
-            columns.push(Column { index, metric, label: reference.label(), unit });
+            columns.push(Column { index, metric, label: reference.label(), unit, members: Vec::new() });
         }
     }
+    for written in of_groups(criteria(), requests) {
+        let is_of = |column: &Column| written.members.iter().any(|member| member.index == column.index);
+        let Some(place) = columns.iter().position(is_of) else { continue };
+        let (metric, unit) = (columns[place].metric, columns[place].unit);
+        columns.retain(|column| !is_of(column));
+        columns.insert(
+            place,
+            Column {
+                index: written.members[0].index,
+                metric,
+                label: written.label,
+                unit,
+                members: written.members,
+            },
+        );
+    }
     columns
+}
+
+/// A criterion as it is written of a group, where it is one of each of the members.
+pub struct OfGroup<'r> {
+    /// `pet(av, walkers_1…5)`
+    pub label: String,
+    pub members: Vec<MemberColumn<'r>>,
+}
+
+/// Those criteria that are written once and hold of several people: what is judged of each of them stands at one place of the file.
+pub fn of_groups<'r>(
+    criteria: impl Iterator<Item = &'r Criterion>,
+    requests: &'r Requests,
+) -> Vec<OfGroup<'r>> {
+    let mut written: Vec<(&Origin, Vec<(usize, &MetricReference)>)> = Vec::new();
+    for criterion in criteria {
+        let reference = criterion.claim.metric();
+        let Some(index) = requests.index(reference) else { continue };
+        match written.iter_mut().find(|(origin, _)| **origin == criterion.origin) {
+            None => written.push((&criterion.origin, vec![(index, reference)])),
+            Some((_, all)) if all.iter().any(|(known, _)| *known == index) => {}
+            Some((_, all)) => all.push((index, reference)),
+        }
+    }
+    written.into_iter().filter_map(|(_, all)| of_group(&all)).collect()
+}
+
+fn of_group<'r>(all: &[(usize, &'r MetricReference)]) -> Option<OfGroup<'r>> {
+    let labels: Vec<String> = all.iter().map(|(_, reference)| reference.label()).collect();
+    let [first, others @ ..] = &labels[..] else { return None };
+    let alike = |one: &str, other: &str| one.chars().zip(other.chars()).take_while(|(a, b)| a == b).count();
+    let shared = others.iter().map(|other| alike(first, other)).min()?;
+    let begins = first.chars().take(shared).collect::<String>().rfind(['(', ' '])? + 1;
+    let (before, rest) = first.split_at(begins);
+    let after = &rest[rest.find([',', ')'])?..];
+    let name = |label: &str| Some(label.strip_prefix(before)?.strip_suffix(after)?.to_string());
+    let names: Vec<String> = labels.iter().map(|label| name(label)).collect::<Option<_>>()?;
+    let numbered = |name: &String| {
+        let (group, number) = name.rsplit_once('_')?;
+        Some((group.to_string(), number.parse::<usize>().ok()?))
+    };
+    let numbered: Vec<(String, usize)> = names.iter().map(numbered).collect::<Option<_>>()?;
+    let group = &numbered[0].0;
+    if numbered.iter().any(|(other, _)| other != group) {
+        return None;
+    }
+    let numbers: Vec<usize> = numbered.iter().map(|(_, number)| *number).collect();
+    let follow = numbers.windows(2).all(|pair| pair[1] == pair[0] + 1);
+    let said = match follow {
+        true => format!("{}…{}", numbers[0], numbers[numbers.len() - 1]),
+        false => numbers.iter().map(usize::to_string).collect::<Vec<_>>().join(","),
+    };
+    let label = format!("{before}{group}_{said}{after}");
+    let members = all.iter().zip(names).map(|((index, reference), name)| MemberColumn {
+        name,
+        index: *index,
+        reference,
+    });
+    Some(OfGroup { label, members: members.collect() })
+}
+
+/// The worst verdict on a metric.
+fn verdict_on(trial: &TrialReport, reference: &MetricReference) -> Option<Verdict> {
+    let TrialState::Judged(judged) = &trial.state else { return None };
+    let verdicts = trial.trial.criteria.iter().zip(&judged.findings);
+    let about = verdicts.filter(|(criterion, _)| criterion.claim.metric() == reference);
+    about.map(|(_, finding)| finding.verdict).max()
 }
 
 /// Every scenario's table; scenarios without variations stand in one. Without `colour` plain text.
@@ -189,7 +314,7 @@ fn row(trial: &TrialReport, columns: &[Column], requests: &Requests) -> Vec<Cell
     let mut cells = vec![Cell::new(&name, Style::new()), Cell::new(&mark, style)];
     for column in columns {
         let text = column.cell(trial);
-        let bad = worst(trial, column.index, requests).filter(|verdict| *verdict != Verdict::Passed);
+        let bad = column.verdict(trial, requests).filter(|verdict| *verdict != Verdict::Passed);
         cells.push(Cell::new(&text, bad.map_or(Style::new(), self::style)));
     }
     cells

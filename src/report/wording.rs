@@ -201,7 +201,26 @@ pub fn closest_calls(scenarios: &[&ScenarioSummary]) -> Vec<String> {
         }
     }
     criteria.sort_by_key(|nearest| nearest.first);
-    let said = criteria.iter().filter_map(|NearestRun { criterion, finding, .. }| {
+    // Of a criterion that is written of a group, and is one of each member, the member who came nearest.
+    let applied = || scenarios.iter().flat_map(|scenario| &scenario.criteria).flat_map(|one| &one.criteria);
+    let written = |nearest: &NearestRun| {
+        let found = applied().find(|criterion| criterion.text == nearest.criterion)?;
+        (!found.origin.file.is_empty()).then(|| found.origin.clone())
+    };
+    let margin = |nearest: &NearestRun| {
+        let run = nearest.finding.as_ref().and_then(|(_, finding)| finding.closest.as_ref());
+        run.and_then(|run| run.margin).unwrap_or(f64::INFINITY)
+    };
+    let mut nearest_of: Vec<NearestRun> = Vec::new();
+    for nearest in criteria {
+        let origin = written(&nearest);
+        match nearest_of.iter_mut().find(|known| origin.is_some() && written(known) == origin) {
+            None => nearest_of.push(nearest),
+            Some(known) if margin(&nearest) < margin(known) => *known = nearest,
+            Some(_) => {}
+        }
+    }
+    let said = nearest_of.iter().filter_map(|NearestRun { criterion, finding, .. }| {
         let (_, finding) = finding.as_ref()?;
         let run = finding.closest.as_ref()?;
         Some(format!("closest to `{criterion}`: {}, in {}", run_in_words(finding, run), run.key))

@@ -107,6 +107,9 @@ impl Recording {
         for (vehicle, car) in world.vehicles.iter().enumerate() {
             let path = world.path_of(car);
             for (pedestrian, person) in world.pedestrians.iter().enumerate() {
+                if person.follows.is_some() {
+                    continue;
+                }
                 let Some(conflict) = path.met_between(person.start.into(), person.goal.into()) else {
                     continue;
                 };
@@ -135,5 +138,9 @@ impl Recording {
 }
 
 fn initial_heading(person: &PedestrianSetup) -> f64 {
+    if let Some(path) = &person.follows {
+        let ahead = path.heading(path.along(person.start.into()));
+        return libm::atan2(ahead.y, ahead.x);
+    }
     libm::atan2(person.goal.y - person.start.y, person.goal.x - person.start.x)
 }

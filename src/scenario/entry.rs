@@ -160,6 +160,10 @@ pub struct PedestrianSetup {
     pub start: Position,
     /// Where they want to go.
     pub goal: Position,
+    /// The course that they follow from their start to their goal who walk along the lane of a road that bends; `None` of who go straight
+    /// on.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub follows: Option<Path>,
     /// The middles of refuges on which they wait on their way, in order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub stops: Vec<Position>,
@@ -195,11 +199,20 @@ impl PedestrianSetup {
         (road.along(entry) - place).abs() <= crossing.width / 2.0 + AT_THE_CROSSING
     }
 
+    /// The place (m) of a path at which they meet it; abreast of where they set out if they walk along it or never come to it.
+    pub fn met_by(&self, path: &Path) -> f64 {
+        match self.follows {
+            Some(_) => path.along(self.start.into()),
+            None => path.met_by(self.start, self.goal),
+        }
+    }
+
     /// Whether their way leads across the lanes of a road; otherwise it leads along them.
     pub fn crosses(&self, road: &Road) -> bool {
         let (ahead, across) = (self.goal.x - self.start.x, self.goal.y - self.start.y);
-        // On bends ways lead across the road.
-        road.bend.is_some() || ahead == 0.0 || across.abs() >= CROSSES * libm::hypot(ahead, across)
+        // On bends ways lead across the road, but for those that follow it.
+        self.follows.is_none()
+            && (road.bend.is_some() || ahead == 0.0 || across.abs() >= CROSSES * libm::hypot(ahead, across))
     }
 }
 

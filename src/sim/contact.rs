@@ -116,7 +116,8 @@ fn touch(
     duration: f64,
 ) -> Option<f64> {
     let (one, other) = (first.footprint(before, boxes)?, second.footprint(before, boxes)?);
-    let moved = movement(second, before, after) - movement(first, before, after);
+    // Where a body is at the beginning is where its outline is.
+    let moved = place(second, after, boxes) - other.centre - (place(first, after, boxes) - one.centre);
     let near = one.radius() + other.radius() + moved.norm() + SLACK;
     if (other.centre - one.centre).norm() > near {
         return None;
@@ -127,11 +128,12 @@ fn touch(
     one.first_contact(&other, moved / duration).filter(|moment| *moment <= duration)
 }
 
-fn movement(solid: Solid, before: &Snapshot, after: &Snapshot) -> Vector2<f64> {
+/// Where the centre of a body is, m.
+fn place(solid: Solid, state: &Snapshot, boxes: &[Body]) -> Vector2<f64> {
     match solid {
-        Solid::Vehicle(index) => after.vehicles[index].position() - before.vehicles[index].position(),
-        Solid::Pedestrian(index) => after.pedestrians[index].position - before.pedestrians[index].position,
-        Solid::Box(_) => Vector2::zeros(),
+        Solid::Vehicle(index) => state.vehicles[index].position(),
+        Solid::Pedestrian(index) => state.pedestrians[index].position,
+        Solid::Box(index) => Vector2::new(boxes[index].x, boxes[index].y),
     }
 }
 

@@ -27,6 +27,8 @@ const FAR_AWAY: f64 = 1e6;
 pub(super) struct Control {
     /// Of everybody who is no vehicle, in the order of the world.
     kinds: Vec<RoadUserKind>,
+    /// Where each of them was the last time, and where that lies seen from a path that bends.
+    located: Vec<Option<(Vector2<f64>, Located)>>,
     observation: Observation,
     /// What perception leaves of it, if there is any.
     view: Option<Observation>,
@@ -124,6 +126,7 @@ impl Control {
             },
             view: driven.perception.is_some().then(observed),
             kinds: world.pedestrians.iter().map(|setup| setup.kind).collect(),
+            located: vec![None; world.pedestrians.len()],
             held: Held::Command(Command::Acceleration(0.0)),
             curvature: None,
             later: VecDeque::new(),
@@ -410,7 +413,7 @@ impl Control {
     /// Fills the observation with the states of `now` as the ego sees them.
     fn see(&mut self, time: f64, me: usize, now: &Snapshot, road: &Road) {
         let ego = &now.vehicles[me];
-        let (seen, kinds) = (&mut self.observation, &self.kinds);
+        let (seen, kinds, located) = (&mut self.observation, &self.kinds, &mut self.located);
         seen.time = time;
         seen.ego.speed = ego.motion.speed;
         seen.ego.acceleration = ego.motion.acceleration;
@@ -427,7 +430,7 @@ impl Control {
         seen.pedestrians.clear();
         seen.pedestrians.extend(now.pedestrians.iter().enumerate().filter(|(_, state)| state.present).map(
             |(id, state)| {
-                let seen = Seen::new(ego, state.position);
+                let seen = Seen::at(ego, state.position, &mut located[id]);
                 SeenPedestrian {
                     id,
                     kind: kinds[id],
@@ -470,7 +473,20 @@ impl<'a> Seen<'a> {
             let position = ego.path.turned(here, place - ego.path.point(here));
             return Self { ego, position, abreast: None };
         }
-        let abreast = ego.path.locate(place);
+        Self::abreast(ego, ego.path.locate(place))
+    }
+
+    /// The same where it is known what was found the last time: who stands is abreast of the same place.
+    fn at(ego: &'a VehicleState, place: Vector2<f64>, last: &mut Option<(Vector2<f64>, Located)>) -> Self {
+        if ego.path.course().is_none() {
+            return Self::new(ego, place);
+        }
+        let known = last.filter(|(known, _)| *known == place);
+        let (_, abreast) = *last.insert(known.unwrap_or_else(|| (place, ego.path.locate(place))));
+        Self::abreast(ego, abreast)
+    }
+
+    fn abreast(ego: &'a VehicleState, abreast: Located) -> Self {
         let position = Vector2::new(abreast.along - ego.motion.travelled, abreast.left());
         Self { ego, position, abreast: Some(abreast) }
     }

@@ -13,8 +13,9 @@ use super::observer::{Ending, Observer, Sighting, Step, StopReason};
 use super::order::SteeredOrder;
 use super::road_users::RoadUsers;
 use super::solid::Solid;
-use super::start::{placed, waiting_outside, way};
+use super::start::{placed, waiting_outside};
 use super::wait_for_green::WaitForGreen;
+use super::way::{Way, walked};
 use scenario::agent::{
     Command, ControllerError, Mode, Motion, Observation, Pedestrian, PedestrianState, Scene, Snapshot,
     VehicleState,
@@ -104,15 +105,13 @@ pub fn has_crossed(
     walked(setup, place) >= way_across(world, setup, (driven, &car.path))
 }
 
-/// How far somebody has come on the straight line from its start to its goal, m.
-fn walked(setup: &PedestrianSetup, place: Vector2<f64>) -> f64 {
-    (place - Vector2::from(setup.start)).dot(&way(setup))
-}
-
 /// The way (m) from somebody's start until a path that bends is left behind: to the edge of its lane that they leave it by, or to
 /// their goal if that is never reached. Who does not cross the lane of a vehicle on another road has none of it before them.
 fn way_across(world: &World, setup: &PedestrianSetup, (car, path): (&VehicleSetup, &Path)) -> f64 {
     let (start, goal) = (Vector2::from(setup.start), Vector2::from(setup.goal));
+    if setup.follows.is_some() {
+        return walked(setup, goal) - AT_THE_GOAL;
+    }
     let side = if car.road == 0 { Some(setup.side) } else { world.crosses_from(setup, car) };
     let Some(side) = side else { return 0.0 };
     let edge = path.way_to_far_edge((start, goal), side, world.road_of(car).lane_width);
@@ -131,8 +130,7 @@ pub struct Course {
     controls: Vec<Control>,
     /// How many of them wait for somebody outside.
     waiting: usize,
-    /// Unit vectors from start to goal.
-    ways: Vec<Vector2<f64>>,
+    ways: Vec<Way>,
     /// Which leg of their way they are on.
     legs: Vec<Legs>,
     /// The way (m) of each pedestrian across the path of each vehicle, one after the other, where paths bend.
@@ -176,7 +174,7 @@ impl Course {
     pub fn start(world: Arc<World>, users: RoadUsers) -> Self {
         debug_assert_eq!(world.vehicles.len(), users.vehicles.len());
         debug_assert_eq!(world.pedestrians.len(), users.pedestrians.len());
-        let ways: Vec<_> = world.pedestrians.iter().map(way).collect();
+        let ways: Vec<_> = world.pedestrians.iter().map(Way::new).collect();
         let pedestrians = world.pedestrians.iter().zip(&ways).map(waiting_outside).collect();
         let empty = || Snapshot { vehicles: Vec::new(), pedestrians: Vec::new() };
         let both = world.vehicles.iter().zip(&users.vehicles);
@@ -377,7 +375,7 @@ impl Course {
                     road: &self.world.road,
                     crossing: self.world.pedestrians[index].crossing,
                     me: index,
-                    goal: legs.goal(),
+                    goal: self.ways[index].goal(self.now.pedestrians[index].position, legs.goal()),
                     legs: legs.counts(),
                     vehicles: &self.now.vehicles,
                     pedestrians: &self.now.pedestrians,
@@ -388,7 +386,7 @@ impl Course {
                 }
                 let motion = pedestrian.act(&scene);
                 self.motions[index] = legs.held(scene.ego(), motion, |state, motion| {
-                    walk(state, motion, self.ways[index], step, step);
+                    self.ways[index].walk(state, motion, step, step);
                 });
                 self.pedestrian_modes[index] = pedestrian.mode();
             }
@@ -396,7 +394,7 @@ impl Course {
         if let Some(rule) = &mut self.keep_clear {
             let (ways, step) = (&self.ways, self.world.step);
             rule.bend(&self.now.pedestrians, &mut self.motions, step, |index, state, motion| {
-                walk(state, motion, ways[index], step, step);
+                ways[index].walk(state, motion, step, step);
             });
         }
         if let Some(rule) = &mut self.wait_for_green {
@@ -404,7 +402,7 @@ impl Course {
             let modes = &mut self.pedestrian_modes;
             let people = (&self.now.pedestrians[..], &self.legs[..]);
             rule.hold(now, people, &mut self.motions, modes, |index, state, motion| {
-                walk(state, motion, ways[index], step, step);
+                ways[index].walk(state, motion, step, step);
             });
         }
         put(&mut self.next.vehicles, &self.now.vehicles);
@@ -501,14 +499,14 @@ impl Course {
         self.next.pedestrians.clone_from(&self.now.pedestrians);
         for (index, state) in self.next.pedestrians.iter_mut().enumerate() {
             if state.present {
-                let (way, step) = (self.ways[index], self.world.step);
+                let (way, step) = (&self.ways[index], self.world.step);
                 let (earlier, late) = self.earlier[index];
                 let before = late.min(duration);
                 if before > 0.0 {
-                    walk(state, earlier, way, before, step);
+                    way.walk(state, earlier, before, step);
                 }
                 if duration > before {
-                    walk(state, self.motions[index], way, duration - before, step);
+                    way.walk(state, self.motions[index], duration - before, step);
                 }
             }
         }
@@ -568,9 +566,7 @@ pub fn meeting_place(world: &World, setup: &PedestrianSetup) -> f64 {
     match setup.appears {
         Appearance::At(_) => 0.0,
         Appearance::Meeting { place, .. } => place,
-        Appearance::TimeToArrival { vehicle, .. } => {
-            world.path_of(&world.vehicles[vehicle]).met_by(setup.start, setup.goal)
-        }
+        Appearance::TimeToArrival { vehicle, .. } => setup.met_by(&world.path_of(&world.vehicles[vehicle])),
     }
 }
 
@@ -583,9 +579,9 @@ pub fn walking_time(
     distance: f64,
     longest: f64,
 ) -> Option<f64> {
-    let way = way(setup);
+    let way = Way::new(setup);
     let mut state = PedestrianState { present: true, ..waiting_outside((setup, &way)) };
-    let gone = |state: &PedestrianState| (state.position - Vector2::from(setup.start)).dot(&way);
+    let gone = |state: &PedestrianState| walked(setup, state.position);
     let mut legs = Legs::new(setup);
     for index in 0..steps_within(longest, world.step) {
         let another = legs.reaches(&state);
@@ -595,7 +591,7 @@ pub fn walking_time(
             road: &world.road,
             crossing: setup.crossing,
             me: 0,
-            goal: legs.goal(),
+            goal: way.goal(state.position, legs.goal()),
             legs: legs.counts(),
             vehicles: &[],
             pedestrians: &[state],
@@ -606,10 +602,10 @@ pub fn walking_time(
         }
         let (time, motion) = (scene.time, mind.act(&scene));
         let motion = legs.held(scene.ego(), motion, |state, motion| {
-            walk(state, motion, way, world.step, world.step);
+            way.walk(state, motion, world.step, world.step);
         });
         let before = gone(&state);
-        walk(&mut state, motion, way, world.step, world.step);
+        way.walk(&mut state, motion, world.step, world.step);
         let after = gone(&state);
         if after >= distance {
             let part = if after > before { (distance - before) / (after - before) } else { 0.0 };
@@ -617,32 +613,6 @@ pub fn walking_time(
         }
     }
     None
-}
-
-/// Moves a pedestrian by the first `duration` s of a step.
-fn walk(state: &mut PedestrianState, motion: Motion, way: Vector2<f64>, duration: f64, step: f64) {
-    match motion {
-        Motion::Accelerate(acceleration) => {
-            let speed = state.velocity.dot(&way).max(0.0);
-            let distance = (duration * speed + acceleration * (duration * duration) / 2.0).max(0.0);
-            state.position += way * distance;
-            state.velocity = way * (speed + acceleration * duration).max(0.0);
-            state.acceleration = way * acceleration;
-        }
-        Motion::Walk(velocity) => {
-            state.position += velocity * duration;
-            state.acceleration = (velocity - state.velocity) / step;
-            state.velocity = velocity;
-        }
-        Motion::Pushed { velocity, displacement } => {
-            state.position += velocity * duration + displacement * (duration / step);
-            state.acceleration = (velocity - state.velocity) / step;
-            state.velocity = velocity;
-        }
-    }
-    if let Some(heading) = state.velocity.try_normalize(1e-6) {
-        state.heading = heading;
-    }
 }
 
 #[cfg(test)]

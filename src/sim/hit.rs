@@ -3,7 +3,8 @@
 use nalgebra::Vector2;
 
 use super::geometry::{Footprint, distance};
-use super::start::{waiting_outside, way};
+use super::start::waiting_outside;
+use super::way::Way;
 use scenario::agent::{PedestrianState, VehicleState};
 use scenario::{CROSSES, PedestrianSetup};
 
@@ -17,14 +18,15 @@ const CLOSE: f64 = 1e-12;
 /// and the pedestrian's reference point is at `share` of the vehicle's width, from the side that it comes from. `None` if their ways do not
 /// cross.
 pub fn hit_at(car: &VehicleState, setup: &PedestrianSetup, share: f64) -> Option<(f64, f64)> {
-    let (way, start) = (way(setup), Vector2::from(setup.start));
+    let (whole, start) = (Way::new(setup), Vector2::from(setup.start));
+    let way = whole.ahead(start);
     let met = car.path.met_between(start, Vector2::from(setup.goal))?;
     let met = car.path.along(met);
     // Both bodies fit between the place where the ways meet and this far from it.
-    let reach =
-        libm::hypot(car.length, car.width) + 2.0 * Footprint::from(&waiting_outside((setup, &way))).radius();
+    let reach = libm::hypot(car.length, car.width)
+        + 2.0 * Footprint::from(&waiting_outside((setup, &whole))).radius();
     let mut car = car.clone();
-    let mut person = PedestrianState { present: true, ..waiting_outside((setup, &way)) };
+    let mut person = PedestrianState { present: true, ..waiting_outside((setup, &whole)) };
     // How far it has walked where the vehicle is at a place, and the gap between the two then.
     let mut at = |place: f64| {
         car.motion.travelled = place;

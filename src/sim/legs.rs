@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use super::start::way;
+use super::way::Way;
 use scenario::agent::{Motion, PedestrianState};
 use scenario::{PedestrianSetup, Position};
 
@@ -24,7 +24,7 @@ pub(super) struct Legs {
 impl Legs {
     pub fn new(setup: &PedestrianSetup) -> Self {
         let goals = setup.stops.iter().copied().chain([setup.goal]).collect();
-        Self { start: setup.start.into(), way: way(setup), goals, current: 0 }
+        Self { start: setup.start.into(), way: Way::new(setup).ahead(setup.start.into()), goals, current: 0 }
     }
 
     /// Where the leg ends that they are on.
@@ -98,7 +98,7 @@ mod tests {
 
     fn at(y: f64) -> PedestrianState {
         let setup = setup();
-        let state = waiting_outside((&setup, &Vector2::y()));
+        let state = waiting_outside((&setup, &Way::Straight(Vector2::y())));
         PedestrianState { position: Vector2::new(0.0, y), ..state }
     }
 

@@ -15,6 +15,7 @@
 // Their failing is a panic: a closed pipe would end the program with the code of a bug.
 #![deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro)]
 
+mod clear_ahead;
 mod contact;
 mod control;
 mod course;
@@ -42,6 +43,7 @@ mod timeline;
 mod trace;
 mod turning;
 mod wait_for_green;
+mod way;
 
 pub use contact::{Contacts, Touch};
 pub use course::{

@@ -7,6 +7,7 @@ use super::contact::pairs;
 use super::geometry::{Footprint, apart};
 use super::solid::Solid;
 use super::turning::contact_ahead;
+use super::way::Way;
 use scenario::agent::{Longitudinal, PedestrianState, Snapshot, VehicleState};
 use scenario::{Appearance, Body, PathConflict, PedestrianSetup, VehicleSetup, VehicleStart, World};
 
@@ -73,17 +74,12 @@ fn met_on_the_way(world: &World, car: &VehicleState, body: &Body) -> Option<f64>
     })
 }
 
-pub(super) fn way(setup: &PedestrianSetup) -> Vector2<f64> {
-    let way = Vector2::new(setup.goal.x - setup.start.x, setup.goal.y - setup.start.y);
-    way.try_normalize(0.0).unwrap_or_else(|| Vector2::new(0.0, setup.side.walking_sign()))
-}
-
-pub(super) fn waiting_outside((setup, way): (&PedestrianSetup, &Vector2<f64>)) -> PedestrianState {
+pub(super) fn waiting_outside((setup, way): (&PedestrianSetup, &Way)) -> PedestrianState {
     PedestrianState {
         position: Vector2::new(setup.start.x, setup.start.y),
         velocity: Vector2::zeros(),
         acceleration: Vector2::zeros(),
-        heading: *way,
+        heading: way.ahead(setup.start.into()),
         shape: setup.shape,
         present: false,
     }
@@ -123,7 +119,7 @@ pub fn beginning(world: &World) -> Snapshot {
     let cars = world.vehicles.iter().map(|setup| {
         placed(world, setup, Longitudinal { travelled: 0.0, speed: setup.speed, acceleration: 0.0 })
     });
-    let ways: Vec<_> = world.pedestrians.iter().map(way).collect();
+    let ways: Vec<_> = world.pedestrians.iter().map(Way::new).collect();
     let mut people: Vec<_> = world.pedestrians.iter().zip(&ways).map(waiting_outside).collect();
     people.iter_mut().for_each(|person| person.present = true);
     Snapshot { vehicles: cars.collect(), pedestrians: people }

@@ -11,13 +11,16 @@ use scenario::{Body, Path, Shape};
 const TOUCHING: f64 = 1e-9;
 
 /// A contact is not looked for beyond this time, s.
-const HORIZON: f64 = 10.0;
+pub(super) const HORIZON: f64 = 10.0;
 
 /// A step to the next moment is at least this, s: what only grazes for so short a time is no contact.
 const LEAST_STEP: f64 = 4e-3;
 
 /// Two places that are nearer than this are one, m.
 const ROUNDING: f64 = 1e-9;
+
+/// A gap is worked out to this, m, and far better.
+pub(super) const ROUNDING_OF_GAPS: f64 = 1e-6;
 
 /// What a vehicle grazes for less than this of its way it does not touch, m.
 const LEAST_WAY: f64 = 0.05;
@@ -26,7 +29,7 @@ const LEAST_WAY: f64 = 0.05;
 const FAR: f64 = 0.5;
 
 /// Between two outlines, m: no more than it is, and what it is where they are near.
-fn gap_between(one: &Footprint, other: &Footprint) -> f64 {
+pub(super) fn gap_between(one: &Footprint, other: &Footprint) -> f64 {
     let of_circles = (other.centre - one.centre).norm() - one.radius() - other.radius();
     if of_circles > FAR { of_circles } else { apart(one, other) }
 }
@@ -46,7 +49,8 @@ fn closes(gap: impl Fn(f64) -> f64, fastest: f64, (from, to): (f64, f64), least:
         if left <= TOUCHING {
             return Some(if time > from { moment(gap, before, time) } else { time });
         }
-        if time >= to {
+        // Nothing that is farther apart than all that is left of the way closes any more.
+        if time >= to || left > fastest * (to - time) * (1.0 + 1e-9) + ROUNDING_OF_GAPS {
             return None;
         }
         before = (time, left);
@@ -133,7 +137,7 @@ pub fn vehicles_meet(one: &VehicleState, other: &VehicleState) -> Option<f64> {
 }
 
 /// Somebody who moves on as they do now.
-enum Moving<'a> {
+pub(super) enum Moving<'a> {
     Vehicle(&'a VehicleState),
     Beside(Beside<'a>),
     Person(&'a PedestrianState),
@@ -152,12 +156,16 @@ impl<'a> Moving<'a> {
         }
     }
 
-    fn vehicle(car: &'a VehicleState) -> Self {
+    pub(super) fn vehicle(car: &'a VehicleState) -> Self {
         car.steered.as_ref().map_or(Self::Vehicle(car), |steered| Self::Beside(Beside::new(car, steered)))
     }
 
+    pub(super) fn person(person: &'a PedestrianState) -> Self {
+        Self::Person(person)
+    }
+
     /// After so many seconds.
-    fn outline(&self, time: f64) -> Footprint {
+    pub(super) fn outline(&self, time: f64) -> Footprint {
         match self {
             Self::Vehicle(car) => {
                 let place = car.motion.travelled + car.motion.speed * time;
@@ -187,7 +195,7 @@ impl<'a> Moving<'a> {
     }
 
     /// From a time (s) on: whether it turns, and for how long that stays so, s.
-    fn turns(&self, time: f64) -> (bool, f64) {
+    pub(super) fn turns(&self, time: f64) -> (bool, f64) {
         let (car, along) = match self {
             Self::Vehicle(car) => (*car, car.motion.speed),
             Self::Beside(beside) => (beside.car, beside.along),
@@ -204,7 +212,7 @@ impl<'a> Moving<'a> {
     }
 
     /// What no point of its outline is faster than between two times (s), m/s.
-    fn fastest(&self, from: f64, to: f64) -> f64 {
+    pub(super) fn fastest(&self, from: f64, to: f64) -> f64 {
         if let Self::Beside(beside) = self {
             return beside.fastest(from, to);
         }
@@ -243,7 +251,7 @@ impl<'a> Moving<'a> {
 
 /// A vehicle that was steered beside its path and is not steered on: it goes on at the angle to its path that it has, straight on
 /// beside a straight one.
-struct Beside<'a> {
+pub(super) struct Beside<'a> {
     car: &'a VehicleState,
     offset: f64,
     angle: f64,

@@ -249,3 +249,42 @@ fn a_parameter_in_which_members_differ_varies() {
     );
     assert!(of(0)["value"].is_null() && !of(1)["value"].is_null(), "{conditions}");
 }
+
+/// A criterion over a group is one column, which names the member of whom it is worst: first by its verdict, then by its value.
+#[test]
+fn a_criterion_over_a_group_is_one_column() {
+    let folder = Folder::new();
+    let group = |criteria: &str| {
+        format!(
+            "pedestrian walkers times 3 {{ model scripted; start 2 m from kerb; along each(0 m, 1 m, 2 m) }}; expect {{ {criteria} }}"
+        )
+    };
+    let shown = |criteria: &str| {
+        folder.write("group.scn", &group(criteria));
+        let ran = scenario_runner(folder.0.path(), &["group.scn", "--no-progress"]);
+        stdout(&ran)
+    };
+    let table = shown("min_distance(av, walkers) >= 0.5 m");
+    assert_eq!(table.matches("min_distance(av, walkers_1…3)").count(), 1, "{table}");
+    assert!(!table.contains("  min_distance(av, walkers_2)"), "{table}");
+    assert!(table.matches("closest to").count() <= 1, "{table}");
+    // Who is worst is who each of them alone says is worst.
+    let value = |member: &str| -> f64 {
+        let alone = shown(&format!("min_distance(av, {member}) >= 0.5 m"));
+        assert!(alone.contains(&format!("min_distance(av, {member})")), "{alone}");
+        let row = alone.lines().find(|line| line.trim_start().starts_with("crossing")).unwrap();
+        row.split_whitespace().last().unwrap().parse().unwrap_or_else(|_| panic!("{alone}"))
+    };
+    let values = ["walkers_1", "walkers_2", "walkers_3"].map(|member| (value(member), member));
+    let worst = values.iter().min_by(|one, other| one.0.total_cmp(&other.0)).unwrap();
+    let row = table.lines().find(|line| line.trim_start().starts_with("crossing")).unwrap();
+    assert!(row.trim_end().ends_with(&format!("{} {}", worst.0, worst.1)), "{values:?}\n{table}");
+    // Some of them, and others: each as it is written.
+    let some = shown("min_distance(av, walkers_1, walkers_3) >= 0.5 m");
+    assert!(some.contains("min_distance(av, walkers_1,3)") || some.contains("walkers_3"), "{some}");
+    let apart = shown("min_distance(av, walkers_1) >= 0.5 m; min_distance(av, walkers_2) >= 0.5 m");
+    assert!(
+        apart.contains("min_distance(av, walkers_1)") && apart.contains("min_distance(av, walkers_2)"),
+        "{apart}"
+    );
+}

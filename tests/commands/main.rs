@@ -20,6 +20,7 @@ mod ratings;
 mod reports;
 #[cfg(unix)]
 mod resume;
+mod roads_vary;
 mod run;
 mod set;
 mod shrink;

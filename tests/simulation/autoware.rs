@@ -127,6 +127,7 @@ fn at_side(side: Side) -> PedestrianSetup {
         side,
         start: Position { x: 0.0, y: -4.0 * sign },
         goal: Position { x: 0.0, y: 6.0 * sign },
+        follows: None,
         stops: Vec::new(),
         crossing: 0,
         appears: Appearance::At(0.0),

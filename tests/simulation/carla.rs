@@ -51,6 +51,7 @@ fn encounter(tta: f64, car: &str, agent: &[(&str, Value)], walker: &[(&str, Valu
             side: Side::Near,
             start: Position { x: 0.0, y: -4.0 },
             goal: Position { x: 0.0, y: 7.0 },
+            follows: None,
             stops: Vec::new(),
             crossing: 0,
             appears: Appearance::At(0.0),

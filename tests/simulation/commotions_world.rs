@@ -51,6 +51,7 @@ fn zebra(controller: &str, tta: f64, person: Settings) -> World {
             side: Side::Near,
             start: Position { x: 0.0, y: -4.0 },
             goal: Position { x: 0.0, y: 8.0 },
+            follows: None,
             stops: Vec::new(),
             crossing: 0,
             appears: Appearance::At(0.0),

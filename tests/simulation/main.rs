@@ -1,5 +1,6 @@
 //! Whole runs through the library: models in their worlds, numerics, executors, and what does not matter.
 
+mod along_bends;
 mod autoware;
 mod baselines;
 mod bends;

@@ -139,6 +139,7 @@ fn encounter(controller: &Arc<ControllerModel>, dynamics: &Arc<DynamicsModel>, d
             side: Side::Near,
             start: Position { x: 0.0, y: -4.0 },
             goal: Position { x: 0.0, y: 8.0 },
+            follows: None,
             stops: Vec::new(),
             crossing: 0,
             appears: Appearance::At(0.0),

@@ -74,6 +74,7 @@ pub fn walker(name: &str, model: ModelSetup<PedestrianModel>, from: f64, to: f64
         side: if to > from { Side::Near } else { Side::Far },
         start: Position { x: 0.0, y: from },
         goal: Position { x: 0.0, y: to },
+        follows: None,
         stops: Vec::new(),
         crossing: 0,
         appears: Appearance::At(0.0),

@@ -133,6 +133,7 @@ impl Zebra {
                 side: Side::Near,
                 start: Position { x: 0.0, y: -4.0 },
                 goal: Position { x: 0.0, y: 8.0 },
+                follows: None,
                 stops: Vec::new(),
                 crossing: 0,
                 appears: Appearance::At(0.0),

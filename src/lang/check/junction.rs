@@ -47,7 +47,16 @@ pub fn defined_road(
 ) -> Option<DeclaredRoad> {
     let node = ast::RoadDefinition::cast(places.files.node(definition))?;
     let name = node.name();
-    road(name.text(), name.span(), node.block(), places.files.scope(definition.file), places, written, report)
+    let (scope, before) = (places.files.scope(definition.file), report.len());
+    let found = road(name.text(), name.span(), node.block(), scope, places, written, report);
+    for finding in report[before..].iter_mut().filter(|finding| finding.code == Code::UnknownName) {
+        let unknown = finding.clone();
+        *finding = unknown.hint(format!(
+            "road `{}` is the same in every scenario: what a scenario varies or draws is known where the road stands in it, as `road {{ … }}`; or write a road for each value",
+            name.text()
+        ));
+    }
+    found
 }
 
 /// That a scenario cannot happen on a road that lies over another.

@@ -310,7 +310,7 @@ impl Order {
     fn new(context: &MetricContext) -> Self {
         let path = context.world.path_of(&context.world.vehicles[context.vehicle]);
         let person = &context.world.pedestrians[context.pedestrian];
-        Self { pair: pair(context), expected_place: path.met_by(person.start, person.goal) }
+        Self { pair: pair(context), expected_place: person.met_by(&path) }
     }
 
     /// Whether somebody is there of whom it is not known yet.

@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 use scenario::{Absence, Metric, MetricKind, MetricRange, Scope, Shape, Side, Worst};
 use scenario::{ChoiceOption, Declaration, Dimension, Parameter, Value};
-use sim::geometry::{Footprint, distance};
+use sim::geometry::{Footprint, apart, distance};
 use sim::measure::{Contact, Encounters, Meter, MetricContext, difference, half_extent_along, lerp, meters};
 use sim::{PedestrianState, Solid, Step, VehicleState};
 
@@ -213,8 +213,13 @@ impl Meter for ImpactPoint {
         }
         let reference = place + person.heading * self.reference;
         let beyond = match self.side {
-            Some(side) if car.steered.is_none() => car.path.beyond(reference, side),
-            _ => self.way.dot(&left).signum() * (reference - centre).dot(&left),
+            Some(side) if car.keeps_straight() => car.path.beyond(reference, side),
+            // Of the front itself, which in a bend is beside the lane's centre.
+            Some(side) => {
+                let far = car.path.locate(reference).far();
+                side.walking_sign() * far * (reference - centre).dot(&left)
+            }
+            None => self.way.dot(&left).signum() * (reference - centre).dot(&left),
         };
         self.found = Some(0.5 + beyond / car.width);
     }
@@ -276,7 +281,14 @@ impl Meter for MinDistance {
             return;
         }
         let before = self.last.unwrap_or_else(|| distance(old_car, old));
-        let after = distance(car, new);
+        let ((centre, heading), now) = (self.pose.unwrap_or_else(|| pose(old_car)), pose(car));
+        let after = match car.keeps_straight() {
+            true => distance(car, new),
+            false => {
+                let shape = Shape::Rectangle { length: car.length, width: car.width };
+                apart(&Footprint { centre: now.0, heading: now.1, shape }, &new.into())
+            }
+        };
         let mut smallest = self.smallest.unwrap_or(Smallest { distance: f64::INFINITY, time: step.time });
         let mut consider = |distance: f64, part: f64| {
             if distance < smallest.distance {
@@ -287,7 +299,6 @@ impl Meter for MinDistance {
         consider(before, 0.0);
         let least = consider(after, 1.0);
         // Nothing comes nearer than it moves, so most steps need no look inside.
-        let ((centre, heading), now) = (self.pose.unwrap_or_else(|| pose(old_car)), pose(car));
         let moved = ((new.position - old.position) - (now.0 - centre)).norm();
         let moved = moved + turned(car, heading, now.1);
         if (before + after - moved) / 2.0 < least {

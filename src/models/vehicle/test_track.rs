@@ -207,6 +207,7 @@ pub fn walker() -> PedestrianSetup {
         side: Side::Near,
         start: Position { x: 0.0, y: -4.0 },
         goal: Position { x: 0.0, y: 6.0 },
+        follows: None,
         stops: Vec::new(),
         crossing: 0,
         appears: Appearance::At(0.0),

@@ -4,7 +4,7 @@ use nalgebra::Vector2;
 
 use numbers::random::ranks;
 use scenario::{
-    Appearance, PedestrianContext, PedestrianSetup, Settings, VehicleReference, VehicleSetup, World,
+    Appearance, Path, PedestrianContext, PedestrianSetup, Settings, VehicleReference, VehicleSetup, World,
 };
 use sim::geometry::Footprint;
 use sim::sight::{covers_part, is_hidden};
@@ -25,6 +25,8 @@ pub(crate) struct Outlook {
 pub(crate) struct Person {
     pub(crate) outline: Footprint,
     pub(crate) goal: Vector2<f64>,
+    /// What they follow who walk along a bend.
+    follows: Option<Path>,
     /// s, as long as vehicles keep their speed; `None`: they never do.
     pub(crate) appears: Option<f64>,
     /// m/s, without traffic; `None` where nobody can tell.
@@ -306,6 +308,14 @@ impl Person {
         Some(earlier + (time - earlier) * (distance - before) / (gone - before))
     }
 
+    /// Their way from start to goal, as points between which it is straight or nearly so.
+    pub(crate) fn points(&self) -> Vec<Vector2<f64>> {
+        let Some(path) = &self.follows else { return vec![self.outline.centre, self.goal] };
+        let (from, to) = (path.along(self.outline.centre), path.along(self.goal));
+        let steps = 100;
+        (0..=steps).map(|step| path.point(from + (to - from) * f64::from(step) / f64::from(steps))).collect()
+    }
+
     /// Where they are at a time, s.
     pub(crate) fn at(&self, time: f64) -> Vector2<f64> {
         let (Some(appears), Some(way)) = (self.appears, self.way()) else { return self.outline.centre };
@@ -319,7 +329,10 @@ impl Person {
                 before + (gone - before) * (since - earlier) / (later - earlier)
             }
         };
-        self.outline.centre + way * gone
+        match &self.follows {
+            Some(path) => path.point(path.along(self.outline.centre) + gone),
+            None => self.outline.centre + way * gone,
+        }
     }
 }
 
@@ -345,7 +358,10 @@ fn person(
         }
     };
     let goal = Vector2::from(setup.goal);
-    let far = (goal - outline.centre).norm();
+    let far = match &setup.follows {
+        Some(path) => path.along(goal) - path.along(outline.centre),
+        None => (goal - outline.centre).norm(),
+    };
     let alone = World { vehicles: Vec::new(), pedestrians: vec![setup.clone()], ..world.clone() };
     let mind = || build(&alone, setup, (rank, seed));
     let speed = mind().map(|mind| mind.free_speed()).filter(|speed| *speed > 0.0);
@@ -360,7 +376,7 @@ fn person(
     } else {
         speed.map_or_else(Vec::new, |speed| vec![(0.0, 0.0), (far, far / speed)])
     };
-    Person { outline, goal, appears, speed, walk }
+    Person { outline, goal, follows: setup.follows.clone(), appears, speed, walk }
 }
 
 fn build(world: &World, setup: &PedestrianSetup, (rank, seed): (usize, u64)) -> Option<Box<dyn Pedestrian>> {

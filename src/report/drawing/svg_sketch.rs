@@ -172,7 +172,8 @@ fn ways(svg: &mut Svg, world: &World, outlook: &Outlook, at: impl Fn(Vector2<f64
         svg.titled("path", &way, &[("class", &"way vehicle"), ("d", &through(points))]);
     }
     for (person, setup) in outlook.people.iter().zip(&world.pedestrians) {
-        let d = through([person.outline.centre, person.goal].map(at));
+        let points: Vec<_> = person.points().into_iter().map(at).collect();
+        let d = through(crate::svg::thinned(&points));
         let way = format!("way of {}", setup.name);
         svg.titled("path", &way, &[("class", &"way pedestrian"), ("d", &d)]);
         let (x, y) = at(person.goal);

@@ -288,7 +288,7 @@ fn suite<'r>(
     let column = |(index, reference): (usize, &'r MetricReference)| {
         let metric = reference.known()?;
         let unit = written_unit(criteria(), reference, metric);
-        Some(Column { index, metric, label: reference.label(), unit })
+        Some(Column { index, metric, label: reference.label(), unit, members: Vec::new() })
     };
     let columns: Vec<Column> = requests.iter().enumerate().filter_map(column).collect();
     let heading = |column: &Column| {

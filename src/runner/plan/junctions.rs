@@ -124,6 +124,17 @@ pub(super) fn check_people(scenario: &Scenario, world: &World) -> Result<(), Pla
                 "where roads cross, people are `scripted`, or a `timeline` that compares nothing of vehicles",
             ));
         }
+        if setup.follows.is_some() {
+            let message = format!(
+                "{} `{name}` walks along a lane that bends, and `{}` drives on `{}`",
+                kind.word(),
+                elsewhere.name,
+                world.road_of(elsewhere).name
+            );
+            return Err(PlanError::new(&declared.origin, message).with_hint(
+                "where roads lie over each other people go straight to their goals: let it cross, or take a road without `path`",
+            ));
+        }
         let waits = declared.appears.awaits();
         let awaited = world.vehicles.iter().find(|car| car.road > 0 && Some(car.name.as_str()) == waits);
         if let Some(car) = awaited.filter(|car| world.crosses_from(setup, car).is_none()) {

@@ -8,8 +8,9 @@ use super::variables::{Variables, number};
 use scenario::geometry::{CurvedPath, GeometryError, Piece, Pose, ReferenceLine};
 use scenario::limits::{self, Limit};
 use scenario::{
-    Bend, BendRadius, Crossing, CrossingKind, DeclaredGround, DeclaredPedestrian, DeclaredPiece, Dimension,
-    Direction, Expression, Ground, Origin, PieceKind, Position, Road, Scenario, Side, SignalError, show,
+    Bend, BendRadius, Crossing, CrossingKind, DeclaredAppearance, DeclaredGround, DeclaredPedestrian,
+    DeclaredPiece, Dimension, Direction, Expression, Ground, Origin, Path, PieceKind, Position, Road,
+    Scenario, Side, SignalError, show,
 };
 
 /// The road of a scenario where variations have these values.
@@ -258,7 +259,7 @@ pub(super) fn refuse_return(road: &Road, origin: &Origin) -> Result<(), PlanErro
     ))
 }
 
-/// Where somebody starts and where they walk to.
+/// Where somebody starts and where they walk to, and the course that they follow who walk along the lane of a road that bends.
 ///
 /// # Errors
 /// A number out of its range, and a start beyond the goal.
@@ -267,7 +268,7 @@ pub(super) fn way(
     road: &Road,
     declared: &DeclaredPedestrian,
     variables: &Variables,
-) -> Result<(Position, Position), PlanError> {
+) -> Result<(Position, Position, Option<Path>), PlanError> {
     let number = |expression: &Expression| number(expression, variables, &declared.origin);
     let (side, sign) = (declared.side, declared.side.walking_sign());
     let (said, start) = (number(&declared.along)?, number(&declared.start_from_lane_centre)?);
@@ -283,29 +284,25 @@ pub(super) fn way(
     let to = road.kerb(side.opposite()) + sign * goal;
     let turned = number(&declared.turned)?;
     if road.bend.is_none() && turned == 0.0 {
-        return Ok((Position { x: along, y: from }, Position { x: along, y: to }));
+        return Ok((Position { x: along, y: from }, Position { x: along, y: to }, None));
     }
     check_places(scenario, declared, (start, said, goal), turned)?;
     if sign * (to - from) <= 0.0 {
         return Err(starts_beyond(scenario, declared));
     }
-    Ok(road.way(side, along, (from, to), turned))
+    let (start, goal) = road.way(side, along, (from, to), turned);
+    Ok((start, goal, None))
 }
 
-/// Where somebody starts and where they walk to who walks along the lane that is outermost on their side.
+/// Where somebody starts and where they walk to who walks along the lane that is outermost on their side, in a bend along its course.
 fn way_along(
     scenario: &Scenario,
     road: &Road,
     declared: &DeclaredPedestrian,
     (start, (along, said), further): (f64, (f64, f64), f64),
     with_traffic: bool,
-) -> Result<(Position, Position), PlanError> {
+) -> Result<(Position, Position, Option<Path>), PlanError> {
     let (name, kind) = (&declared.name, declared.kind.word());
-    if road.bend.is_some() {
-        let message = format!("{kind} `{name}` walks along the lane of a road that bends");
-        return Err(PlanError::new(&declared.origin, message)
-            .with_hint("people go straight to their goals: take a road without `path`, or let it cross"));
-    }
     check_places(scenario, declared, (start, said, 0.0), 0.0)?;
     let what = format!("the goal of {kind} `{name}`");
     check_number(scenario, &format!("{name}.goal"), &what, further, limits::FURTHER, &declared.origin)?;
@@ -314,8 +311,33 @@ fn way_along(
         Side::Near => 0,
         Side::Far => road.lanes.len() - 1,
     };
-    let with = road.path(lane).heading(0.0).x;
-    let ahead = if with_traffic { with } else { -with };
     let y = road.outer_lane_centre(declared.side) - sign * start;
-    Ok((Position { x: along, y }, Position { x: along + ahead * further, y }))
+    let direction = match (road.lanes[lane].direction, with_traffic) {
+        (direction, true) => direction,
+        (Direction::Forward, false) => Direction::Backward,
+        (Direction::Backward, false) => Direction::Forward,
+    };
+    if let Some(bend) = &road.bend {
+        if let DeclaredAppearance::Meets { .. } = declared.appears {
+            let message = format!("{kind} `{name}` is to meet somebody along the lane of a road that bends");
+            return Err(PlanError::new(&declared.origin, message).with_hint(
+                "say `start` and `appears` instead of `meets`, or take a road without `path`: in a bend the front of a vehicle is beside its lane's centre",
+            ));
+        }
+        let course = CurvedPath::new(bend.line.clone(), y, direction, bend.crossing).map_err(|error| {
+            let message = format!("{kind} `{name}` walks along a bend that is too tight for it: {error}");
+            PlanError::new(&declared.origin, message)
+                .with_hint("let it start nearer to the lane's centre, or take a wider bend")
+        })?;
+        let path = Path::curved(course);
+        let from = path.at_line(along);
+        let at = |place: f64| {
+            let point = path.point(place);
+            Position { x: point.x, y: point.y }
+        };
+        let (start, goal) = (at(from), at(from + further));
+        return Ok((start, goal, Some(path)));
+    }
+    let ahead = Path::straight(y, direction).heading(0.0).x;
+    Ok((Position { x: along, y }, Position { x: along + ahead * further, y }, None))
 }

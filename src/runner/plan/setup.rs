@@ -186,7 +186,7 @@ fn automatic_start(index: usize, world: &World) -> Option<VehicleStart> {
     let path = world.path_of(&world.vehicles[index]);
     let waiting = world.pedestrians.iter().filter_map(|pedestrian| match pedestrian.appears {
         Appearance::TimeToArrival { vehicle, reference, time } if vehicle == index => {
-            Some((time, reference, path.line_of(path.met_by(pedestrian.start, pedestrian.goal))))
+            Some((time, reference, path.line_of(pedestrian.met_by(&path))))
         }
         Appearance::Meeting { vehicle, time, place } if vehicle == index => {
             Some((time, VehicleReference::Front, path.line_of(place)))
@@ -211,7 +211,7 @@ fn pedestrian_setup(
 ) -> Result<PedestrianSetup, PlanError> {
     let number = |expression: &Expression| number(expression, variables, &declared.origin);
     let model = chosen(&declared.model, "pedestrian model", variables)?;
-    let (start, goal) = way(scenario, road, declared, variables)?;
+    let (start, goal, follows) = way(scenario, road, declared, variables)?;
     let shape = match &declared.shape {
         None => declared.kind.body(),
         Some(DeclaredShape::Disc { radius }) => Shape::Disc { radius: number(radius)? },
@@ -249,11 +249,21 @@ fn pedestrian_setup(
         side: declared.side,
         start,
         goal,
+        follows,
         stops: stops(road, declared, (start, goal))?,
         crossing: crossing_used(road, declared)?.0,
         appears,
         reference: number(&declared.reference)?,
     };
+    if setup.follows.is_some() && setup.keeps_clear().is_some() {
+        let (kind, name, model) = (declared.kind.word(), &declared.name, &setup.model.model);
+        let message = format!(
+            "{kind} `{name}` walks along the lane of a road that bends, and `{model}` decides for itself where it walks"
+        );
+        return Err(PlanError::new(&declared.model.origin, message).with_hint(
+            "take `scripted` or `timeline` without `keeps_clear`, which go where they are told to, or a road without `path`",
+        ));
+    }
     let (said, origin) = (declared.obeys_signals, signals_said(scenario, &declared.name, &declared.origin));
     let obeys = conduct(signals, said, &declaration, origin)?;
     if !obeys || !road.has_signal() {

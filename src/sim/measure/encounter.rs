@@ -6,9 +6,10 @@ use serde::{Deserialize, Serialize};
 use super::events::{Passing, Visit, half_extent, lerp, rising};
 use super::passage::Passage;
 use super::steered_pair::{SteeredWay, WalkedWay};
+use crate::clear_ahead::ContactAhead;
 use crate::geometry::Footprint;
 use crate::turning::touched_between;
-use crate::{PedestrianState, Solid, Step, VehicleState, contact_with};
+use crate::{PedestrianState, Solid, Step, VehicleState};
 use scenario::{Appearance, Located, Side, VehicleSetup, World};
 
 /// The encounters of every vehicle with every pedestrian of a run.
@@ -74,6 +75,7 @@ pub struct Encounter {
     /// Time to collision of the footprints if both kept their velocities from the end of the step on, s; `None` if
     /// they are not on a collision course.
     pub time_to_collision: Option<f64>,
+    ahead: ContactAhead,
     /// Where the pedestrian lies, seen from the vehicle's path, at the beginning and at the end of the last step in which they were
     /// there.
     pub places: Option<(Located, Located)>,
@@ -135,6 +137,7 @@ impl Encounters {
             last_entry: None,
             crossing: None,
             time_to_collision: None,
+            ahead: ContactAhead::new(world.path_of(car).course().is_some()),
             places: None,
             near: false,
         };
@@ -302,10 +305,12 @@ impl Encounter {
         let (old_car, car) = (&step.before.vehicles[vehicle], &step.after.vehicles[vehicle]);
         let (old, new) = (&step.before.pedestrians[pedestrian], &step.after.pedestrians[pedestrian]);
         self.appeared.get_or_insert(step.time);
-        self.time_to_collision = contact_with(car, new);
+        self.time_to_collision = self.ahead.look(step.time + step.duration, car, new);
         // Where a step ends the next one begins.
         let before = self.places.map_or_else(|| car.path.locate(old.position), |(_, before)| before);
-        let places = (before, car.path.locate(new.position));
+        // Who stands on is abreast of the same place.
+        let stands = self.places.is_some() && new.position == old.position && car.path.course().is_some();
+        let places = (before, if stands { before } else { car.path.locate(new.position) });
         self.places = Some(places);
         if !self.crosses {
             self.was_in_lane |= places.1.beside.abs() < self.half_lane;

@@ -1,0 +1,235 @@
+//! What a look ahead in a bend has shown to be free goes on to be free while both move on nearly as they were taken to: so that whoever
+//! comes near nobody is not looked at again and again.
+//!
+//! A gap changes no faster than both move, so that a gap known at one moment bounds it before and behind. From two neighbouring moments
+//! follows how much of it is left between them at least; as long as neither is farther from where it was taken to be than that, no
+//! contact is there.
+
+use scenario::agent::{PedestrianState, VehicleState};
+
+use super::turning::{HORIZON, Moving, ROUNDING_OF_GAPS, gap_between};
+
+/// Looks at a vehicle and a pedestrian ahead, from step to step.
+#[derive(Debug, Clone)]
+pub struct ContactAhead {
+    /// What was found free, if anything was.
+    clear: Option<Clear>,
+    /// Of that: up to so many seconds after it was looked at, from where the one before ends, the gap is more than so many metres.
+    stretches: Vec<(f64, f64)>,
+    /// The last moment at which it was looked at how both move, s, and that.
+    last: Option<(f64, Motion)>,
+}
+
+/// How two move, as far as a vehicle that keeps its path and a pedestrian who goes straight on need to be told.
+#[derive(Debug, Clone, Copy)]
+struct Motion {
+    /// Of the vehicle, m and m/s.
+    travelled: f64,
+    speed: f64,
+    person: PedestrianState,
+}
+
+impl Motion {
+    fn of(car: &VehicleState, person: &PedestrianState) -> Self {
+        Self { travelled: car.motion.travelled, speed: car.motion.speed, person: *person }
+    }
+
+    /// How far outlines are at most from where they were taken to be who moved as `self` so many seconds ago and move as `other` now: now,
+    /// m, and more for every second from now on, m/s. `most` is how far any point of the vehicle moves for a metre along its path. `None`
+    /// if somebody has turned.
+    fn apart(&self, other: &Self, elapsed: f64, most: f64) -> Option<(f64, f64)> {
+        if self.person.heading != other.person.heading || self.person.shape != other.person.shape {
+            return None;
+        }
+        let along = (other.travelled - self.travelled - self.speed * elapsed).abs();
+        let walked = other.person.position - self.person.position - self.person.velocity * elapsed;
+        let faster = (other.speed - self.speed).abs();
+        let walks = (other.person.velocity - self.person.velocity).norm();
+        Some((most * along + walked.norm(), most * faster + walks))
+    }
+}
+
+/// A time for which nothing touches if both move on as they do.
+#[derive(Debug, Clone, Copy)]
+struct Clear {
+    /// When it was looked at, s.
+    at: f64,
+    motion: Motion,
+    /// How far any point of the vehicle moves at most for a metre along its path.
+    most: f64,
+}
+
+/// It is looked so far ahead, s: what lies beyond the horizon of a contact is needed later.
+const AHEAD: f64 = HORIZON + 2.5;
+
+/// Who comes nearer than this is looked at step by step, m.
+const NEAR: f64 = 0.05;
+
+/// Looks for what is free, at most.
+const LOOKS: usize = 48;
+
+/// Whoever moves otherwise by more than this at the horizon from one step to the next is not looked ahead for, m.
+const UNSTEADY: f64 = 0.02;
+
+impl ContactAhead {
+    /// Of a pair of which the vehicle follows a path that bends, or does not; allocates what all looks need.
+    pub fn new(bends: bool) -> Self {
+        Self { clear: None, stretches: Vec::with_capacity(if bends { LOOKS } else { 0 }), last: None }
+    }
+
+    /// As [`contact_with`](crate::contact_with), of a pair that is asked for at one time (s) after another.
+    pub fn look(&mut self, time: f64, car: &VehicleState, person: &PedestrianState) -> Option<f64> {
+        if car.keeps_straight() || car.steered.is_some() {
+            return super::contact_with(car, person);
+        }
+        let motion = Motion::of(car, person);
+        // Where it goes straight on for longer than is looked ahead in bends there is an exact answer, for any time.
+        let moving = Moving::vehicle(car);
+        let (turns, lasts) = moving.turns(0.0);
+        if !turns && lasts >= HORIZON {
+            return super::contact_with(car, person);
+        }
+        if self.clear.as_ref().is_some_and(|clear| clear.covers(time, &motion, &self.stretches)) {
+            self.last = Some((time, motion));
+            return None;
+        }
+        self.clear = None;
+        let found = super::contact_with(car, person);
+        let before = self.last.replace((time, motion));
+        let steady = before.is_some_and(|(earlier, before)| {
+            let apart = before.apart(&motion, time - earlier, 1.0);
+            apart.is_some_and(|(now, later)| now + later * HORIZON <= UNSTEADY)
+        });
+        if found.is_none() && steady {
+            self.clear = Clear::found(time, (car, person), &moving, motion, &mut self.stretches);
+        }
+        found
+    }
+}
+
+impl Clear {
+    fn found(
+        at: f64,
+        (car, person): (&VehicleState, &PedestrianState),
+        moving: &Moving,
+        motion: Motion,
+        stretches: &mut Vec<(f64, f64)>,
+    ) -> Option<Self> {
+        let other = Moving::person(person);
+        let fastest = moving.fastest(0.0, AHEAD) + other.fastest(0.0, AHEAD);
+        let gap = |time: f64| gap_between(&moving.outline(time), &other.outline(time));
+        let (mut time, mut left) = (0.0, gap(0.0));
+        stretches.clear();
+        while time < AHEAD {
+            if left < NEAR || stretches.len() == LOOKS {
+                return None;
+            }
+            let next = (time + left / fastest).min(AHEAD);
+            let then = gap(next);
+            stretches.push((next, (left + then - fastest * (next - time)) / 2.0));
+            (time, left) = (next, then);
+        }
+        let (from, size) = (car.motion.travelled, (car.length, car.width));
+        // Also where it comes to if it is a little faster.
+        let most = car.path.most_moved((from, from + 2.0 * AHEAD * car.motion.speed + 10.0), size);
+        Some(Self { at, motion, most })
+    }
+
+    /// Whether nothing touches within the horizon who move so at a time (s).
+    fn covers(&self, time: f64, motion: &Motion, stretches: &[(f64, f64)]) -> bool {
+        let elapsed = time - self.at;
+        // The vehicle comes no farther than where the tightest bend was looked for.
+        let reach = self.motion.travelled + 2.0 * AHEAD * self.motion.speed + 10.0;
+        if elapsed < 0.0
+            || elapsed + HORIZON > AHEAD
+            || motion.travelled < self.motion.travelled
+            || motion.travelled + HORIZON * motion.speed > reach
+        {
+            return false;
+        }
+        let Some((now, later)) = self.motion.apart(motion, elapsed, self.most) else { return false };
+        let ahead = stretches.iter().filter(|(end, _)| *end >= elapsed);
+        ahead.copied().all(|(end, left)| left > now + later * (end - elapsed) + ROUNDING_OF_GAPS)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use nalgebra::Vector2;
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::contact_with;
+    use scenario::agent::Longitudinal;
+    use scenario::geometry::{CurvedPath, Piece, Pose, ReferenceLine};
+    use scenario::{Direction, Path, Shape};
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(400))]
+        /// Cars that brake and people who turn back or change their speed: bit for bit what looking anew in every step finds.
+        #[test]
+        fn looking_from_step_to_step_finds_what_looking_anew_finds(
+            (travelled, speed, brake) in (-25.0..10.0, 0.5..9.0, -0.4..0.2_f64), (place, beside) in (-5.0..30.0, -6.0..6.0),
+            (walk, way, change) in (0.0..2.0, 0.0..6.3, -0.02..0.02_f64), (from, to) in (0_usize..160, 0_usize..160),
+            backward: bool, turned in 0_usize..200,
+        ) {
+            let [one, arc, other] = Piece::turn(1500.0, 9.0, 0.36, 0.85);
+            let pieces = [Piece::line(30.0), one, arc, other, Piece::line(20.0)];
+            let line = ReferenceLine::new(Pose::origin(), &pieces).unwrap();
+            let direction = if backward { Direction::Backward } else { Direction::Forward };
+            let path = Path::curved(CurvedPath::new(Arc::new(line), 1.0, direction, 30.0).unwrap());
+            let motion = Longitudinal { travelled, speed, acceleration: 0.0 };
+            let mut car = VehicleState { motion, path: path.clone(), length: 4.36, width: 1.82, steered: None };
+            let heading = Vector2::new(libm::cos(way), libm::sin(way));
+            let mut person = PedestrianState {
+                position: path.to_world(Vector2::new(place, beside)), velocity: heading * walk, acceleration: Vector2::zeros(),
+                heading, shape: Shape::Rectangle { length: 0.6, width: 0.5 }, present: true,
+            };
+            let mut ahead = ContactAhead::new(true);
+            for step in 0..160 {
+                let time = f64::from(step) * 0.025;
+                if (from..to).contains(&(step as usize)) {
+                    car.motion.speed = (car.motion.speed + brake * 0.5).clamp(0.0, 9.0);
+                    person.velocity += heading * change;
+                }
+                if step as usize == turned {
+                    (person.velocity, person.heading) = (-person.velocity, -person.heading);
+                }
+                car.motion.travelled += car.motion.speed * 0.025;
+                person.position += person.velocity * 0.025;
+                prop_assert_eq!(ahead.look(time, &car, &person), contact_with(&car, &person), "in step {}", step);
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_free_is_not_looked_at_again() {
+        let line = ReferenceLine::new(Pose::origin(), &[Piece::arc(40.0, 2.0)]).unwrap();
+        let path = Path::curved(CurvedPath::new(Arc::new(line), 0.0, Direction::Forward, 0.0).unwrap());
+        let mut car = VehicleState {
+            motion: Longitudinal { travelled: 0.0, speed: 5.0, acceleration: 0.0 },
+            path: path.clone(),
+            length: 4.4,
+            width: 1.8,
+            steered: None,
+        };
+        let person = PedestrianState {
+            position: path.to_world(Vector2::new(30.0, 3.0)),
+            velocity: Vector2::zeros(),
+            acceleration: Vector2::zeros(),
+            heading: Vector2::y(),
+            shape: Shape::Disc { radius: 0.25 },
+            present: true,
+        };
+        let (mut ahead, mut looks) = (ContactAhead::new(true), Vec::new());
+        for step in 0..100 {
+            assert_eq!(ahead.look(f64::from(step) * 0.025, &car, &person), None);
+            looks.extend(ahead.clear.as_ref().map(|clear| clear.at));
+            car.motion.travelled += 5.0 * 0.025;
+        }
+        looks.dedup();
+        assert_eq!(looks.len(), 1, "looked at again at {looks:?} s");
+    }
+}
