@@ -68,6 +68,11 @@ pub struct CalibrateArguments {
     #[arg(long, value_name = "N", default_value_t = 5000, value_parser = number::some())]
     count: usize,
 
+    /// Of `--design published`: keep only the first so many of them. They stand in random order, so that a study that was planned for
+    /// more may stop earlier.
+    #[arg(long, value_name = "N", value_parser = number::some())]
+    first: Option<usize>,
+
     /// Range of a parameter, such as `T_delta=10..100` or with the levels of its grid `T_delta=10..100:10`.
     /// Without it the published grid. May be repeated.
     #[arg(long, value_name = "NAME=LOW..HIGH[:LEVELS]", value_parser = parse_range)]
@@ -316,10 +321,14 @@ fn published(arguments: &CalibrateArguments) -> Result<(Candidates, String), Cal
     let file = arguments.base.as_ref().ok_or(CalibrateError::NoBase)?;
     let seed = arguments.seed.unwrap_or(1);
     let found = published_candidates(file, arguments.count, seed)?;
-    let found = found.with_ranges(&arguments.range, seed, &commotions().declaration)?;
+    let mut found = found.with_ranges(&arguments.range, seed, &commotions().declaration)?;
     let mut words = format!("{} of the published fit", found.rows.len());
     for ParameterRange { name, low, high, .. } in &arguments.range {
         words.push_str(&format!(", {name} in strata over {low}..{high}"));
+    }
+    if let Some(first) = arguments.first.filter(|first| *first < found.rows.len()) {
+        found.rows.truncate(first);
+        words.push_str(&format!(", the first {first} of them"));
     }
     Ok((found, words))
 }

@@ -36,6 +36,7 @@ mod sketch;
 mod store;
 mod try_program;
 mod validate;
+mod validate_population;
 
 #[cfg(not(feature = "fmu"))]
 use std::path::Path;

@@ -4,17 +4,16 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 
+use super::validate_population::{self, SomeMembers};
 use super::{Exit, number};
-use files::{Disk, Files};
 use models::calibrate::{
     Calibration, PUBLISHED_SHARE, Request, calibrate, published_candidates, published_criteria,
 };
+use models::pedestrian::commotions::Variant;
 use models::pedestrian::commotions::held_back::{HeldBackScenario, HikerPersons, held_back};
 use models::pedestrian::commotions::hiker::{HikerComparison, HikerReference};
-use models::pedestrian::commotions::model::commotions;
-use models::pedestrian::commotions::{Parameters, Variant};
 use report::console::{stderr, stdout};
-use scenario::population::Population;
+use scenario::population::HUMANS;
 
 #[derive(Debug, Args)]
 pub struct ValidateArguments {
@@ -44,6 +43,47 @@ enum What {
         #[arg(long, value_name = "N", default_value_t = 1000, value_parser = number::some())]
         members: usize,
     },
+    /// A population in the ten conditions of the encounter that people were observed in, under noise of your choice.
+    Encounter {
+        /// What people did, `human_crossing.csv`.
+        observations: PathBuf,
+        /// A name that ships, or a file.
+        #[arg(long, value_name = "POPULATION", default_value = HUMANS)]
+        population: String,
+        /// How many of the population, evenly spaced in it.
+        #[arg(long, value_name = "N", default_value_t = 1000, value_parser = number::some())]
+        members: usize,
+        /// Runs of each in every condition.
+        #[arg(long, value_name = "N", default_value_t = 6, value_parser = clap::value_parser!(u32).range(2..=10_000))]
+        repetitions: u32,
+        /// Decides the noise of every run; several seeds are several columns.
+        #[arg(long, value_name = "SEED", default_values_t = [1, 2, 3])]
+        seed: Vec<u64>,
+    },
+    /// What one population for both laboratories costs: candidates in the encounter and in HIKER, and weights that do what people did in the
+    /// one, in the other, and in both.
+    Laboratories {
+        /// The reference numbers of HIKER, `hiker_reference.json`.
+        reference: PathBuf,
+        /// What each person of HIKER did, `hiker_persons.json`.
+        #[arg(long, value_name = "FILE")]
+        persons: PathBuf,
+        /// What people did in the encounter, `human_crossing.csv`.
+        #[arg(long, value_name = "FILE")]
+        observations: PathBuf,
+        /// Who is weighed, a population.
+        #[arg(long, value_name = "POPULATION")]
+        candidates: String,
+        /// How many of them, evenly spaced in the file.
+        #[arg(long, value_name = "N", default_value_t = 1000, value_parser = number::some())]
+        count: usize,
+        /// Runs of each candidate in every condition, and as many of fresh noise.
+        #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(2..=10_000))]
+        repetitions: u32,
+        /// Decides the noise of every run.
+        #[arg(long, default_value_t = 20_261_121)]
+        seed: u64,
+    },
     /// The share of the published candidates of the default COMMOTIONS variant that calibration retains.
     Retention {
         /// The published individuals, `commotions_individuals.json`.
@@ -67,6 +107,13 @@ pub fn run(arguments: &ValidateArguments) -> Exit {
                 }
                 None => hiker(reference, *repetitions, *seed),
             }
+        }
+        What::Encounter { observations, population, members, repetitions, seed } => {
+            validate_population::encounter(observations, population, *members, *repetitions, seed)
+        }
+        What::Laboratories { reference, persons, observations, candidates, count, repetitions, seed } => {
+            let who = (candidates.as_str(), *count);
+            validate_population::laboratories(reference, persons, observations, who, (*repetitions, *seed))
         }
         What::Retention { individuals, candidates, seed } => retention(individuals, *candidates, *seed),
     };
@@ -103,22 +150,9 @@ fn people_of_hiker(
     (members, repetitions, seed): (usize, u32, u64),
 ) -> Result<Exit, Box<dyn std::error::Error>> {
     let (reference, persons) = (HikerReference::read(file)?, HikerPersons::read(persons)?);
-    let declaration = commotions().declaration;
-    let text = Disk.read_text(Path::new(population), &["csv", "json"]).map_err(|error| error.to_string());
-    let known =
-        Population::parse(population, Some(text.as_deref().map_err(String::as_str)), &declaration, None)?;
-    let members = members.min(known.len());
-    let number = |index: usize| index * known.len() / members + known.len() / members / 2 + 1;
-    let people = (0..members).filter_map(|index| known.individual(number(index).min(known.len())));
-    let people: Vec<Parameters> = people.map(|settings| Parameters::from_settings(&settings)).collect();
-    let variant = known.variant.as_deref().map_or(Ok(Variant::STANDARD), str::parse)?;
+    let SomeMembers { variant, people, digest, .. } = SomeMembers::read(population, members)?;
     let found = held_back(&reference, &persons, &variant, &people, repetitions, seed);
-    writeln!(
-        stdout(),
-        "{} of {population}, digest {}, {repetitions} times each",
-        people.len(),
-        known.digest()
-    );
+    writeln!(stdout(), "{} of {population}, digest {digest}, {repetitions} times each", people.len(),);
     writeln!(
         stdout(),
         "crossed before the second car (%)      | spread (%)     | median initiation time (s)"

@@ -26,6 +26,9 @@ pub struct Calibrate {
     /// How many of their errors targets are to be matched within; 1: as well as they are known.
     #[serde(default = "one_error", skip_serializing_if = "is_one_error")]
     pub within: f64,
+    /// The same of the spread between persons; `None`: as of shares.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spread_within: Option<f64>,
     /// In how many parts conditions are held back in turn; 0: in none.
     pub folds: u32,
     /// Runs of every candidate in every condition, at least 2.

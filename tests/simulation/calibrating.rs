@@ -83,6 +83,10 @@ fn the_order_of_rows_and_of_runs_changes_nothing() {
     assert_eq!(usual, shuffled);
     assert_eq!((&usual.weights, &usual.conditions), (&turned.weights, &turned.conditions));
     assert!((usual.weights.iter().sum::<f64>() - 1.0).abs() < 1e-6);
+    // Of 40 candidates fewer than 50 decide, and that is said.
+    let few =
+        format!("the effective size is {:.0}: a few candidates decide everything", usual.effective_size);
+    assert!(usual.warnings.iter().any(|one| one.starts_with(&few)), "{:?}", usual.warnings);
     let share = usual.conditions[1].share;
     assert!((share.fitted - share.observed).abs() < (share.equal - share.observed).abs(), "{share:?}");
     // The fit is told of runs that no weight has seen.
@@ -190,6 +194,28 @@ fn a_calibrated_population_is_walked_with() {
     let mut others = population.clone();
     others.weights.rotate_left(1);
     assert_ne!(others.digest(), population.digest());
+}
+
+#[test]
+fn the_spread_may_have_a_tolerance_of_its_own() {
+    // Two persons, of whom little is known: within two errors there are mixtures.
+    let rows = "crossing, 4 s, 0.125, 8, 2, 1, 1, 0, 0, 0\ncrossing, 6 s, 0.5, 8, 2, 1, 0, 0, 0, 1\n";
+    let with = |method: &str, spread: &str| {
+        let spread = format!("match spread between individuals of rate(gap_accepted){spread}");
+        calibrated(&format!("{MATCHED}\n  {spread}\n  {method}"), rows, &Threads::new(2)).unwrap()
+    };
+    let usual = with("", "");
+    // As the method has it, said or not.
+    assert_eq!(with("", " within 100 % of error").weights, usual.weights);
+    let half = "method maximum_entropy within 50 % of error";
+    assert_eq!(with(half, " within 50 % of error").weights, with(half, "").weights);
+    let missed = |result: &CalibrateResult| {
+        let apart = |one: &results::CalibratedCondition| (one.spread.fitted - one.spread.observed).abs();
+        result.conditions.iter().map(apart).sum::<f64>()
+    };
+    let closer = with("", " within 30 % of error");
+    assert!(missed(&closer) < missed(&usual), "{} and {}", missed(&closer), missed(&usual));
+    assert!(closer.effective_size < usual.effective_size);
 }
 
 #[test]

@@ -3,12 +3,15 @@
 use std::path::Path;
 
 use files::Disk;
+use models::pedestrian::commotions::encounter::EncounterCondition;
+use models::pedestrian::commotions::{Parameters, Variant};
 use models::standard;
 use rayon::prelude::*;
 use results::Requests;
 use runner::experiment::apply_settings;
 use runner::plan::{self, Plan};
 use runner::run::{FreeFlows, Unwatched, run_case};
+use scenario::population::Population;
 use scenario::{Case, Part, PopulationShare, Target, Value};
 
 /// The encounter with so many people of `standard`.
@@ -108,6 +111,38 @@ fn observed() -> Vec<f64> {
 #[test]
 fn people_of_humans_go_first_as_often_as_people_did() {
     held_against("humans", 150, &observed(), 5.0);
+}
+
+/// What `validate encounter` and `validate laboratories` take for the encounter, and other noise than weights were judged under.
+#[test]
+fn without_a_world_around_it_the_encounter_is_the_same_and_so_it_is_under_other_seeds() {
+    let people = members("humans", (0..200).map(|index| 50 * index + 25));
+    let expected = shares("humans", 150);
+    let observed = observed();
+    for (index, (expected, observed)) in expected.iter().zip(&observed).enumerate() {
+        let condition = EncounterCondition { zebra: index >= 5, gap: 3.0 + (index % 5) as f64 };
+        for seed in [1, 2, 3] {
+            let found = 100.0 * condition.shares(&Variant::STANDARD, &people, 2, seed).share;
+            // Of other members, too: by how much that may differ of 150 and of 200 times two.
+            let known = (found / 100.0).clamp(0.01, 0.99);
+            let chance = 100.0 * (known * (1.0 - known) * (1.0 / 150.0 + 1.0 / 200.0)).sqrt();
+            let name = condition.name();
+            assert!(
+                (found - expected).abs() <= 1.0 + 3.5 * chance,
+                "{name}: {found} where runs say {expected}"
+            );
+            let chance = 100.0 * (known * (1.0 - known) / 200.0).sqrt();
+            assert!((found - observed).abs() <= 5.0 + 3.5 * chance, "{name}: {found}, people {observed}");
+        }
+    }
+}
+
+/// Members of a population that ships.
+fn members(population: &str, numbers: impl Iterator<Item = usize>) -> Vec<Parameters> {
+    let declaration = &standard().pedestrians().get("commotions").expect("it ships").declaration.clone();
+    let people = Population::parse(population, None, declaration, None).expect("it ships");
+    let member = |number| Parameters::from_settings(&people.individual(number).expect("so many there are"));
+    numbers.map(member).collect()
 }
 
 #[test]

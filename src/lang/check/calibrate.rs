@@ -89,6 +89,10 @@ pub fn calibrate(
         Some(within) => tolerance(within, scope, report),
         None => Some(1.0),
     };
+    let spread_within = match block.spread().and_then(|spread| spread.within()) {
+        Some(within) => tolerance(within, scope, report).map(Some),
+        None => Some(None),
+    };
     let candidates = candidates_of(candidates, &scenarios, places, report);
     let compared = block.compare().map(|said| compared(said, places)).unwrap_or_default();
     let able = scenarios.iter().all(|(span, subject)| one_is_weighed(*span, subject, report));
@@ -147,6 +151,7 @@ pub fn calibrate(
         observations,
         spread: block.spread().is_some(),
         within: within?,
+        spread_within: spread_within?,
         folds: folds?,
         runs: runs?,
         compared,

@@ -171,7 +171,7 @@ impl Report {
             ("criteria", json!(failed)),
         ];
         let source = if criteria.is_empty() {
-            "candidates by parameters of Markkula et al., PNAS Nexus 2(6), 2023; no criterion was asked of them"
+            "candidates by parameters of Markkula et al., PNAS Nexus 2(6), 2023 (facts of a data set under CC BY-NC-SA 4.0); no criterion was asked of them"
         } else {
             "retained by the procedure of Markkula et al., PNAS Nexus 2(6), 2023"
         };

@@ -140,8 +140,8 @@ views! {
     CalibrateIn = calibrate_in { names: [Name] }
     /// `match rate(gap_accepted) to "people.csv"`
     Matched = matched { rate: Rate, path: Text, undefined: (Undefined) }
-    /// `match spread between individuals of rate(gap_accepted)`
-    MatchedSpread = matched_spread { rate: Rate }
+    /// `match spread between individuals of rate(gap_accepted) within 80 % of error`
+    MatchedSpread = matched_spread { rate: Rate, within: (Expression) }
     /// `method maximum_entropy within 50 % of error`
     CalibrateMethod = calibrate_method { within: (Expression) }
     /// `folds 5`
@@ -392,8 +392,8 @@ pub static CALIBRATE_BLOCK: BlockEntry = BlockEntry {
         statement(
             "match spread",
             Rule::matched_spread,
-            "match spread between individuals of rate(gap_accepted)",
-            "That people differ as those did who were observed: the share of pairs of a person's trials in which both hold.",
+            "match spread between individuals of rate(gap_accepted)`, `match spread between individuals of rate(gap_accepted) within 80 % of error",
+            "That people differ as those did who were observed: the share of pairs of a person's trials in which both hold; within a part of its error of its own, or else the method's.",
         )
         .key("match_spread", YamlShape::Words),
         statement(

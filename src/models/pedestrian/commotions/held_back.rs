@@ -106,7 +106,7 @@ pub fn held_back(
 }
 
 /// The share of all trials, and the standard error of a ratio over persons.
-fn share_of(persons: &[(u32, u32, u32)]) -> (f64, f64) {
+pub(super) fn share_of(persons: &[(u32, u32, u32)]) -> (f64, f64) {
     let sum = |of: &dyn Fn(f64, f64) -> f64| {
         let each = persons
             .iter()

@@ -76,6 +76,7 @@ pub fn run_calibrate(
         rows: &rows,
         spread: block.spread,
         within: block.within,
+        spread_within: block.spread_within.unwrap_or(block.within),
     };
     let undefined = trial.undefined(&done)?;
     let missed = weighing.out_of_reach();

@@ -72,6 +72,8 @@ pub struct Weighing<'a> {
     pub spread: bool,
     /// How many errors of targets are their tolerance.
     pub within: f64,
+    /// The same of spreads.
+    pub spread_within: f64,
 }
 
 impl Weighing<'_> {
@@ -82,8 +84,18 @@ impl Weighing<'_> {
     /// The weights, of which the targets of these conditions know nothing.
     fn without(&self, left_out: &[usize]) -> EntropyWeights {
         let kept: Vec<usize> = self.all().into_iter().filter(|one| !left_out.contains(one)).collect();
-        let targets = targets(self.observed, &kept, self.spread);
-        maximum_entropy_within(self.within, &self.features.of(&kept, self.spread), &targets)
+        self.matched(&kept, self.observed)
+    }
+
+    /// Weights for what was observed in these conditions. Spreads that have a tolerance of their own have it as their error.
+    fn matched(&self, conditions: &[usize], observed: &[Observed]) -> EntropyWeights {
+        let mut targets = targets(observed, conditions, self.spread);
+        if self.spread_within != self.within {
+            for spread in &mut targets[conditions.len()..] {
+                spread.error *= self.spread_within / self.within;
+            }
+        }
+        maximum_entropy_within(self.within, &self.features.of(conditions, self.spread), &targets)
     }
 
     pub fn weights(&self) -> EntropyWeights {
@@ -150,12 +162,11 @@ impl Weighing<'_> {
     /// Weights for persons drawn again.
     pub fn resampled(&self, seed: u64) -> Vec<Vec<f64>> {
         let all = self.all();
-        let features = self.features.of(&all, self.spread);
         let again = |number: usize| {
             let mut stream = Stream::seeded(derive_seed(seed, &format!("persons/{number}")));
             let observed: Vec<Observed> =
                 self.rows.iter().map(|row| Observed::resampled(row, &mut stream)).collect();
-            maximum_entropy_within(self.within, &features, &targets(&observed, &all, self.spread)).weights
+            self.matched(&all, &observed).weights
         };
         (0..RESAMPLED).map(again).collect()
     }
