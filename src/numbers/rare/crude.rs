@@ -25,6 +25,13 @@ impl CrudeSampling {
     }
 }
 
+impl CrudeSampling {
+    /// How many of so many runs are drawn as they are drawn without a method: all.
+    pub fn nominal_runs_of(budget: usize) -> usize {
+        budget
+    }
+}
+
 impl RareSampling for CrudeSampling {
     fn ask(&mut self) -> Option<RareRound> {
         let replicate = self.replicates.len();
@@ -60,7 +67,6 @@ impl RareSampling for CrudeSampling {
             runs: outcomes.len(),
             nominal: (outcomes.len() as u64, hits.len() as u64),
             hits,
-            is_cut_off: false,
         });
     }
 

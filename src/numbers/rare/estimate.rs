@@ -31,8 +31,6 @@ pub struct ReplicateRuns {
     pub nominal: (u64, u64),
     /// Its runs with the event.
     pub hits: Vec<WeighedHit>,
-    /// Whether it gave up before its end, so that it says nothing.
-    pub is_cut_off: bool,
 }
 
 /// On which scale the interval of replicates is symmetric.
@@ -49,8 +47,6 @@ pub enum RareScale {
 /// Why an estimate is refused.
 #[derive(Debug, Clone, PartialEq)]
 pub enum RareRefusal {
-    /// So many replicates were cut off.
-    CutOff(usize),
     /// No run has the event.
     NoHits,
     /// So many hits of equal weight would say as much as those that there are; fewer than [`LEAST_EFFECTIVE`].
@@ -141,17 +137,13 @@ impl RareEstimate {
             clusters: Vec::new(),
         };
         let clusters = Clusters::of(space, replicates);
-        estimate.refusals = estimate.speaking_against(replicates, &clusters);
+        estimate.refusals = estimate.speaking_against(&clusters);
         estimate.clusters = clusters.heaviest(replicates);
         estimate
     }
 
-    fn speaking_against(&self, replicates: &[ReplicateRuns], clusters: &Clusters) -> Vec<RareRefusal> {
+    fn speaking_against(&self, clusters: &Clusters) -> Vec<RareRefusal> {
         let mut found = Vec::new();
-        let cut_off = replicates.iter().filter(|one| one.is_cut_off).count();
-        if cut_off > 0 {
-            found.push(RareRefusal::CutOff(cut_off));
-        }
         // Runs of equal weight have an exact interval, whatever they are.
         if self.scale == RareScale::Exact {
             return found;

@@ -55,9 +55,18 @@ impl ImportanceSampling {
         }
     }
 
+    /// How many of so many runs are drawn as they are drawn without a method.
+    pub fn nominal_runs_of(budget: usize) -> usize {
+        Self::size_of(budget).div_ceil(DEFENSIVE) * REPLICATES
+    }
+
     /// Runs of each replicate.
+    fn size_of(budget: usize) -> usize {
+        (budget - (budget / PILOT).min(MOST_PILOT)) / REPLICATES
+    }
+
     fn size(&self) -> usize {
-        (self.budget - self.pilot_runs) / REPLICATES
+        Self::size_of(self.budget)
     }
 
     /// Of each replicate, drawn as without a method.
@@ -142,7 +151,6 @@ impl RareSampling for ImportanceSampling {
             runs,
             nominal,
             hits,
-            is_cut_off: false,
         });
     }
 

@@ -14,7 +14,10 @@ mod space;
 mod tests;
 
 pub use crude::CrudeSampling;
-pub use estimate::{RareEstimate, RareRefusal, RareScale, ReplicateRuns, WeighedHit};
+pub use estimate::{
+    CONTRADICTION, LARGEST_DEVIATION, LARGEST_SHARE, LEAST_EFFECTIVE, RareEstimate, RareRefusal, RareScale,
+    ReplicateRuns, WeighedHit,
+};
 pub use importance::ImportanceSampling;
 pub use sampling::{RareOutcome, RarePoint, RareRound, RareSampling};
 pub use space::{RareAxis, RareSpace};

@@ -37,7 +37,7 @@ pub struct RareRound {
 }
 
 /// A method. Nothing but the outcomes and the seed decides what it asks for.
-pub trait RareSampling {
+pub trait RareSampling: Send + Sync {
     /// The next round; `None` once there are no more. Asked once for each round.
     fn ask(&mut self) -> Option<RareRound>;
 
