@@ -12,7 +12,7 @@ use super::set::SetArguments;
 use super::{Exit, load, store};
 use report::console::{stderr, stdout};
 use report::{Live, Terminal, draw_calibration, render_block, render_controllers, tuned_parameters};
-use results::{BlockReport, BlockResult, BlockState, CalibrateResult, set_options};
+use results::{BlockReport, BlockResult, BlockState, CalibrateResult, Verdict, set_options};
 use runner::experiment::{CaseFile, ParameterFile};
 use runner::session::{self, Selection, Session, UnitKind, Units};
 use scenario::registry::Registry;
@@ -78,6 +78,11 @@ pub fn search(arguments: &ExperimentArguments, registry: &Registry) -> Exit {
 /// Runs a `tune` block, after what it builds on.
 pub fn tune(arguments: &ExperimentArguments, registry: &Registry) -> Exit {
     run(arguments, "tune", registry)
+}
+
+/// Runs an `estimate` block.
+pub fn estimate(arguments: &ExperimentArguments, registry: &Registry) -> Exit {
+    run(arguments, "estimate", registry)
 }
 
 /// Runs a `calibrate` block.
@@ -173,7 +178,18 @@ fn run(arguments: &ExperimentArguments, kind: &'static str, registry: &Registry)
         writeln!(stderr(), "error: cannot write {}: {error}", path.display());
         return Exit::Output;
     }
-    if result.failure().is_some() { Exit::Failed } else { Exit::Success }
+    if let (BlockResult::Estimate(_), Some(why)) = (result, result.failure()) {
+        writeln!(
+            stderr(),
+            "{}: {why}",
+            if result.verdict() == Verdict::Failed { "failed" } else { "inconclusive" }
+        );
+    }
+    match result.verdict() {
+        Verdict::Passed => Exit::Success,
+        Verdict::Inconclusive => Exit::Inconclusive,
+        Verdict::Failed => Exit::Failed,
+    }
 }
 
 fn is_called(unit: UnitKind, kind: &str, name: &str) -> bool {
@@ -239,6 +255,7 @@ fn json(result: &BlockResult) -> String {
         BlockResult::Tune(tune) => serde_json::to_string_pretty(tune),
         BlockResult::Evaluate(evaluate) => serde_json::to_string_pretty(evaluate),
         BlockResult::Calibrate(calibrate) => serde_json::to_string_pretty(calibrate),
+        BlockResult::Estimate(estimate) => serde_json::to_string_pretty(estimate),
         BlockResult::Statement(statement) => serde_json::to_string_pretty(statement),
     };
     text.expect("plain data serialises") + "\n"

@@ -91,12 +91,13 @@ pub fn block<'a>(suite: &'a Suite, file: &'a str, block: &'a Block) -> Subject<'
 /// The scenarios that a block works on, by itself or through the blocks that it needs.
 fn scenarios_of<'a>(suite: &'a Suite, block: &Block) -> Vec<&'a Scenario> {
     let set = match block {
-        Block::Search(_) | Block::Calibrate(_) | Block::Statement(_) => None,
+        Block::Search(_) | Block::Calibrate(_) | Block::Estimate(_) | Block::Statement(_) => None,
         Block::Tune(tune) => Some(&tune.on),
         Block::Evaluate(evaluate) => Some(&evaluate.on),
     };
     let name = match (block, set) {
         (Block::Search(search), _) => Some(search.scenario.as_str()),
+        (Block::Estimate(estimate), _) => Some(estimate.scenario.as_str()),
         (_, Some(CaseSet::Scenario(scenario) | CaseSet::Sample { scenario, .. })) => Some(scenario.as_str()),
         _ => None,
     };

@@ -208,6 +208,7 @@ fn size(block: &Block) -> Vec<(&'static str, usize)> {
         Block::Search(search) => ("evaluation", search.budget.evaluations as usize),
         Block::Tune(tune) => ("evaluation", tune.budget.evaluations as usize),
         Block::Calibrate(calibrate) => ("condition", calibrate.observations.rows.len()),
+        Block::Estimate(estimate) => ("run", estimate.budget as usize),
         Block::Evaluate(evaluate) => ("condition", evaluate.conditions.len()),
         Block::Statement(statement) if statement.claims.is_empty() => return Vec::new(),
         Block::Statement(statement) => ("claim", statement.claims.len()),

@@ -97,6 +97,8 @@ enum Command {
     Search(experiment::ExperimentArguments),
     /// Run a `tune` block: find the controller parameters that are best on a set of cases.
     Tune(experiment::ExperimentArguments),
+    /// Run an `estimate` block: how probable a rare event is, as a bound that holds without assumptions and as an estimate.
+    Estimate(experiment::ExperimentArguments),
     /// Make reports of results that a run wrote with `--json`.
     Report(report::ReportArguments),
     /// Record, show and compare what the runs of a suite came to, as files to commit.
@@ -185,6 +187,7 @@ fn obey(cli: Cli, registry: &Registry) -> Exit {
         Some(Command::Models(arguments)) => models::models(&arguments, registry),
         Some(Command::Search(arguments)) => experiment::search(&arguments, registry),
         Some(Command::Tune(arguments)) => experiment::tune(&arguments, registry),
+        Some(Command::Estimate(arguments)) => experiment::estimate(&arguments, registry),
         Some(Command::Report(arguments)) => report::report(&arguments, registry),
         Some(Command::Baseline(arguments)) => baseline::baseline(&arguments, registry),
         Some(Command::Compare(arguments)) => compare::compare(&arguments, registry),

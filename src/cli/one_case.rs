@@ -10,12 +10,12 @@ use super::programs::ProgramArguments;
 use super::set::SetArguments;
 use report::console::stderr;
 use runner::corpus;
-use runner::plan::PlannedTrial;
+use runner::plan::{PlannedTrial, plan_scenario};
 use runner::project::{PlannedSuite, Project};
 use runner::run::BatchError;
 use runner::session::{UnitKind, Work, units};
 use scenario::registry::Registry;
-use scenario::{Case, Criterion};
+use scenario::{Case, Criterion, Scenario};
 
 #[derive(Debug, Args)]
 pub struct CaseArguments {
@@ -93,6 +93,16 @@ impl CaseArguments {
             Some(FoundCase { suite, case, criteria: trial.criteria.clone() })
         };
         if let Some(found) = trials().find_map(named) {
+            return Ok(found);
+        }
+        // A scenario that only an estimate is of has no trials of its own.
+        let mut supporting =
+            suites.iter().flat_map(|suite| suite.suite.supporting.iter().map(move |one| (suite, one)));
+        let of = |(suite, scenario): (&'a PlannedSuite, &'a Scenario)| {
+            let plan = plan_scenario(&suite.suite, scenario).ok()?;
+            plan.trials().find_map(|trial| named((suite, trial)))
+        };
+        if let Some(found) = key.contains("/u=").then(|| supporting.find_map(of)).flatten() {
             return Ok(found);
         }
         writeln!(stderr(), "error: no run is called `{key}`");

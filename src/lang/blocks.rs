@@ -9,7 +9,7 @@ use super::source::Span;
 use super::syntax::NodeIndex;
 use super::syntax::ast::{self, View};
 use super::texts::{FileId, NameDefinition, Texts};
-use scenario::{Calibrate, Evaluate, Scenario, Search, Statement, Tune};
+use scenario::{Calibrate, Estimate, Evaluate, Scenario, Search, Statement, Tune};
 
 /// Every block of a suite without mistakes.
 #[derive(Default)]
@@ -18,6 +18,7 @@ pub struct Blocks {
     pub tunes: Vec<Tune>,
     pub evaluates: Vec<Evaluate>,
     pub calibrates: Vec<Calibrate>,
+    pub estimates: Vec<Estimate>,
     pub statements: Vec<Statement>,
 }
 
@@ -119,7 +120,7 @@ impl Gathered<'_> {
             tunes: Checked::default(),
             evaluates: Checked::default(),
         };
-        let (mut calibrates, mut statements) = (Vec::new(), Vec::new());
+        let (mut calibrates, mut estimates, mut statements) = (Vec::new(), Vec::new(), Vec::new());
         // Each kind is about the ones before it, so no circle can arise.
         let mut nodes = self.nodes;
         nodes.sort_by_key(|(_, node)| match node {
@@ -127,7 +128,8 @@ impl Gathered<'_> {
             ast::Block::Tune(_) => 1,
             ast::Block::Evaluate(_) => 2,
             ast::Block::Calibrate(_) => 3,
-            ast::Block::Statement(_) => 4,
+            ast::Block::Estimate(_) => 4,
+            ast::Block::Statement(_) => 5,
         });
         for (file, node) in nodes {
             let (scope, name) = (files.scope(file), node.name().text());
@@ -147,6 +149,9 @@ impl Gathered<'_> {
                 ast::Block::Calibrate(node) => {
                     calibrates.extend(check::calibrate(node, &subjects, scope, &places, report));
                 }
+                ast::Block::Estimate(node) => {
+                    estimates.extend(check::estimate(node, &subjects, scope, &places, report));
+                }
                 ast::Block::Statement(node) => {
                     statements.extend(check::statement(node, &subjects, scope, &places, report));
                 }
@@ -157,6 +162,7 @@ impl Gathered<'_> {
             tunes: subjects.tunes.all(),
             evaluates: subjects.evaluates.all(),
             calibrates,
+            estimates,
             statements,
         }
     }

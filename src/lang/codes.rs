@@ -402,6 +402,14 @@ codes! {
     BadCandidates = "E0818", "nobody can be weighed",
         "A `calibrate` block weighs candidates: there are more of them than targets, of a model that takes individuals, and every scenario \
          has one pedestrian who they can be. Every condition is a value that a variation lists.";
+    BadEstimate = "E0830", "a probability cannot be estimated",
+        "An `estimate` block is of a scenario that draws what differs from run to run, as one trial: without `vary`, and with people who are \
+         `drawn from` a population or one of it. Its score is a quantity that gets worse towards the event, such as `score pet`. \
+         docs/chance.md says what its two numbers mean.";
+    BudgetTooSmall = "E0831", "a claim or method needs more runs than the budget has",
+        "Without assumptions nothing is shown by fewer runs than about 3 / p, whatever comes of them: `claim guaranteed <= 1e-5` at 95 % needs \
+         299,572 runs that are drawn as they are, of which `by importance` makes one in ten. A plain `claim` is decided by the estimate, \
+         which needs fewer and says on what assumption.";
     // Filter expressions
     UnknownPredicate = "E1001", "a filter has no such predicate",
         "`scenario-runner help filter` lists the predicates of filter expressions.";
@@ -510,6 +518,10 @@ codes! {
         "Every criterion of the scenario has a `when` that does not hold there, so that nothing is claimed of these trials: they \
          are run, counted as not judged in every report, and are evidence of nothing. Add a criterion without `when`, or leave \
          the values out.";
+    FlatScore = "W0953", "a score does not lead to the event",
+        "Where most runs have the same score nothing shows where the event lies, and what is not found counts as if it were not there. \
+         `min_distance` is such a metric: it is as large as it is at the start in every run in which nobody comes near. Times such as `pet` \
+         or `min_ttc` slope.";
     SetAside = "W0955", "a criterion applies to no run with the values that were set",
         "With `--set tta=4s`, a criterion `when tta >= 14 s` has nothing to say. It is left out; a run to which no criterion \
          applies is refused.";

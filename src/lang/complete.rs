@@ -130,9 +130,12 @@ fn refers(block: Option<&BlockEntry>, statement: &[&str]) -> bool {
             BlockKind::Tune,
             BlockKind::Evaluate,
             BlockKind::Calibrate,
+            BlockKind::Estimate,
             BlockKind::Statement,
         ],
-    ) && !statement.iter().any(|word| matches!(*word, "over" | "rises" | "falls" | "compare" | "repeat"))
+    ) && !statement
+        .iter()
+        .any(|word| matches!(*word, "over" | "rises" | "falls" | "compare" | "repeat" | "event" | "score"))
 }
 
 fn is(block: Option<&BlockEntry>, kinds: &[BlockKind]) -> bool {

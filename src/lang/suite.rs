@@ -86,6 +86,7 @@ fn bare(files: &Texts, file: FileId, path: &Path, report: &mut Vec<Diagnostic>) 
         tunes: blocks.tunes,
         evaluates: blocks.evaluates,
         calibrates: blocks.calibrates,
+        estimates: blocks.estimates,
         statements: blocks.statements,
         gates: Vec::new(),
         ratings: Vec::new(),
@@ -249,6 +250,7 @@ fn declared(files: &mut Texts, file: FileId, path: &Path, report: &mut Vec<Diagn
         tunes: blocks.tunes,
         evaluates: blocks.evaluates,
         calibrates: blocks.calibrates,
+        estimates: blocks.estimates,
         statements: blocks.statements,
         gates: gates.into_iter().flatten().collect(),
         ratings: ratings.into_iter().flatten().collect(),
@@ -283,9 +285,10 @@ fn reject_lost(declared: &[(String, Span)], suite: &Suite, report: &mut Vec<Diag
     let tunes = suite.tunes.iter().map(|one| one.name.as_str());
     let evaluates = suite.evaluates.iter().map(|one| one.name.as_str());
     let calibrates = suite.calibrates.iter().map(|one| one.name.as_str());
+    let estimates = suite.estimates.iter().map(|one| one.name.as_str());
     let statements = suite.statements.iter().map(|one| one.name.as_str());
     let gates = suite.gates.iter().map(|one| one.name.as_str());
-    let blocks = searches.chain(tunes).chain(evaluates).chain(calibrates).chain(statements);
+    let blocks = searches.chain(tunes).chain(evaluates).chain(calibrates).chain(estimates).chain(statements);
     let known: HashSet<&str> = scenarios.chain(blocks).chain(gates).collect();
     for (name, span) in declared.iter().filter(|(name, _)| !known.contains(name.as_str())) {
         let message = format!("`{name}` cannot be read");

@@ -368,6 +368,7 @@ impl<'f> Texts<'f> {
                 ast::Defining::Tune(tune) => (tune.name(), &mut names.blocks, "tune"),
                 ast::Defining::Evaluate(evaluate) => (evaluate.name(), &mut names.blocks, "evaluate"),
                 ast::Defining::Calibrate(calibrate) => (calibrate.name(), &mut names.blocks, "calibrate"),
+                ast::Defining::Estimate(estimate) => (estimate.name(), &mut names.blocks, "estimate"),
                 ast::Defining::Statement(statement) => (statement.name(), &mut names.blocks, "statement"),
                 ast::Defining::Binding(binding) => {
                     bind(binding, &mut scope, report);

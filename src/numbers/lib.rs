@@ -13,4 +13,5 @@ pub mod distributions;
 pub mod inference;
 pub mod json;
 pub mod random;
+pub mod rare;
 pub mod summary;

@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use super::calibration::render_calibrate;
 use super::columns::columns;
+use super::estimation::render_estimate;
 use super::evaluation::render_evaluate;
 use super::found::render_search;
 use super::shown_value::{WITHOUT_VALUE, digits, value};
@@ -19,6 +20,7 @@ pub fn render_block(result: &BlockResult) -> String {
         BlockResult::Tune(tune) => render_tune(tune),
         BlockResult::Evaluate(evaluate) => render_evaluate(evaluate),
         BlockResult::Calibrate(calibrate) => render_calibrate(calibrate),
+        BlockResult::Estimate(estimate) => render_estimate(estimate),
         BlockResult::Statement(statement) => render_statement(statement),
     }
 }

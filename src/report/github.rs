@@ -113,16 +113,19 @@ pub fn annotations(results: &Results, repository: &Repository) -> String {
     }
     for (report, block) in reports.iter().flat_map(|one| one.blocks.iter().map(move |block| (one, block))) {
         let title = format!("{} {}", block.block.kind(), block.block.name());
-        let (said, what) = match &block.state {
+        let (level, said, what) = match &block.state {
             BlockState::Skipped(_) | BlockState::NotFinished(_) => continue,
-            BlockState::Errored(error) => ("could not run", error.message.clone()),
+            BlockState::Errored(error) => ("error", "could not run", error.message.clone()),
             BlockState::Finished(result) => match result.failure() {
-                Some(reason) => ("failed", reason),
+                Some(reason) if result.verdict() == Verdict::Inconclusive => {
+                    ("warning", "inconclusive", reason)
+                }
+                Some(reason) => ("error", "failed", reason),
                 None => continue,
             },
         };
         let again = report.identity.block_command(&block.key);
-        add("error", block.block.origin().clone(), format!("{title} {said}"), format!("{what}\n{again}"));
+        add(level, block.block.origin().clone(), format!("{title} {said}"), format!("{what}\n{again}"));
     }
     for (report, gate) in reports.iter().flat_map(|one| one.gates.iter().map(move |gate| (one, gate))) {
         let (level, what) = match &gate.state {

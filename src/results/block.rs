@@ -9,7 +9,7 @@ use super::cut::Cut;
 use super::skip::Skip;
 use super::standing::Standing;
 use super::unit_error::UnitError;
-use super::{CalibrateResult, EvaluateResult, SearchResult, StatementResult, TuneResult};
+use super::{CalibrateResult, EstimateResult, EvaluateResult, SearchResult, StatementResult, TuneResult};
 use crate::Verdict;
 use scenario::Block;
 
@@ -64,7 +64,7 @@ impl BlockReport {
 
     /// Of a block that came to a result; `None` for others.
     pub fn verdict(&self) -> Option<Verdict> {
-        self.result().map(|result| if result.failure().is_some() { Verdict::Failed } else { Verdict::Passed })
+        self.result().map(BlockResult::verdict)
     }
 
     /// How it stands, for counts and exit codes.
@@ -90,12 +90,23 @@ pub enum BlockResult {
     Evaluate(EvaluateResult),
     /// Of a `calibrate`.
     Calibrate(CalibrateResult),
+    /// Of an `estimate`.
+    Estimate(EstimateResult),
     /// Of a `statement`.
     Statement(StatementResult),
 }
 
 impl BlockResult {
-    /// Why it is not what the block was to show; `None` if it is.
+    /// Whether it is what the block was to show.
+    pub fn verdict(&self) -> Verdict {
+        match self {
+            Self::Estimate(estimate) => estimate.verdict(),
+            _ if self.failure().is_some() => Verdict::Failed,
+            _ => Verdict::Passed,
+        }
+    }
+
+    /// Why it is not what the block was to show, or why that cannot be said; `None` if it is.
     pub fn failure(&self) -> Option<String> {
         match self {
             Self::Search(_) | Self::Evaluate(_) | Self::Calibrate(_) => None,
@@ -103,6 +114,7 @@ impl BlockResult {
                 Some("no candidate keeps every constraint: nothing is chosen".to_string())
             }
             Self::Tune(_) => None,
+            Self::Estimate(estimate) => estimate.failure(),
             Self::Statement(statement) => statement.surprise(),
         }
     }

@@ -86,8 +86,10 @@ pub struct Evaluations {
     pub done: usize,
     /// Evaluations that there will be at most.
     pub all: usize,
-    /// The best value of the objective so far.
+    /// The best value of the objective so far, or what is estimated so far.
     pub best: Option<f64>,
+    /// Of an estimate, between what it lies so far at 95 %.
+    pub within: Option<(f64, f64)>,
 }
 
 /// Told everything that happens.

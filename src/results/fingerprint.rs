@@ -8,8 +8,8 @@ use sha2::{Digest, Sha256};
 
 use crate::{
     BlockResult, CalibrateResult, CalibratedCondition, CalibratedShare, Candidate, CaseRun, ClaimResult,
-    ClaimValues, ConditionResult, CoursePoint, EvaluateResult, Found, MetricCourse, SearchResult,
-    StatementResult, TrendPoint, TuneResult,
+    ClaimValues, ConditionResult, CoursePoint, EstimateResult, EvaluateResult, Found, MetricCourse,
+    SearchResult, StatementResult, TrendPoint, TuneResult,
 };
 use numbers::random::digest_bits;
 use optimise::Coordinate;
@@ -23,6 +23,7 @@ impl BlockResult {
             Self::Tune(tune) => mixture.tune(tune),
             Self::Evaluate(evaluate) => mixture.evaluate(evaluate),
             Self::Calibrate(calibrate) => mixture.calibrate(calibrate),
+            Self::Estimate(estimate) => mixture.estimate(estimate),
             Self::Statement(statement) => mixture.statement(statement),
         }
         digest_bits(mixture.0)
@@ -123,6 +124,50 @@ impl Mixture {
                 self.perhaps(*left_out);
             }
         }
+    }
+
+    fn estimate(&mut self, estimate: &EstimateResult) {
+        let EstimateResult {
+            name: _,
+            doc: _,
+            scenario: _,
+            event: _,
+            score: _,
+            method: _,
+            seed,
+            runs,
+            pilot_runs,
+            replicates,
+            // Out of the replicates and their hits, as all that is not taken here.
+            value: _,
+            confidence: _,
+            interval: _,
+            relative_deviation: _,
+            assumption: _,
+            guaranteed: _,
+            unseen: _,
+            nominal_runs,
+            nominal_hits,
+            hits,
+            undecided,
+            effective_size,
+            largest_share: _,
+            contradiction: _,
+            refusals: _,
+            warnings: _,
+            shares,
+            clusters: _,
+            carrying: _,
+            claims: _,
+        } = estimate;
+        self.bits(*seed);
+        for count in [*runs, *pilot_runs, *hits, *undecided] {
+            self.count(count);
+        }
+        self.bits(*nominal_runs);
+        self.bits(*nominal_hits);
+        self.number(*effective_size);
+        [replicates, shares].into_iter().flatten().for_each(|number| self.number(*number));
     }
 
     fn search(&mut self, search: &SearchResult) {

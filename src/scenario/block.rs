@@ -4,7 +4,9 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Calibrate, Evaluate, MetricReference, Origin, Search, Statement, StatementClaim, Suite, Tune};
+use super::{
+    Calibrate, Estimate, Evaluate, MetricReference, Origin, Search, Statement, StatementClaim, Suite, Tune,
+};
 
 /// Something in a suite that takes simulations and gives one result.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -20,6 +22,8 @@ pub enum Block {
     Evaluate(Evaluate),
     /// Which weights of candidates reproduce what people did.
     Calibrate(Calibrate),
+    /// How probable a rare event is.
+    Estimate(Estimate),
     /// Whether what a source says is reproduced.
     Statement(Statement),
 }
@@ -31,8 +35,10 @@ impl Block {
         let tunes = suite.tunes.iter().cloned().map(Self::Tune);
         let evaluates = suite.evaluates.iter().cloned().map(Self::Evaluate);
         let calibrates = suite.calibrates.iter().cloned().map(Self::Calibrate);
+        let estimates = suite.estimates.iter().cloned().map(Self::Estimate);
         let statements = suite.statements.iter().cloned().map(Self::Statement);
-        searches.chain(tunes).chain(evaluates).chain(calibrates).chain(statements).map(Arc::new).collect()
+        let first = searches.chain(tunes).chain(evaluates).chain(calibrates);
+        first.chain(estimates).chain(statements).map(Arc::new).collect()
     }
 
     /// As the suite calls it; no two blocks of a suite share one.
@@ -42,6 +48,7 @@ impl Block {
             Self::Tune(tune) => &tune.name,
             Self::Evaluate(evaluate) => &evaluate.name,
             Self::Calibrate(calibrate) => &calibrate.name,
+            Self::Estimate(estimate) => &estimate.name,
             Self::Statement(statement) => &statement.name,
         }
     }
@@ -53,6 +60,7 @@ impl Block {
             Self::Tune(_) => "tune",
             Self::Evaluate(_) => "evaluate",
             Self::Calibrate(_) => "calibrate",
+            Self::Estimate(_) => "estimate",
             Self::Statement(_) => "statement",
         }
     }
@@ -69,6 +77,7 @@ impl Block {
             Self::Tune(tune) => tune.doc.as_deref(),
             Self::Evaluate(evaluate) => evaluate.doc.as_deref(),
             Self::Calibrate(calibrate) => calibrate.doc.as_deref(),
+            Self::Estimate(estimate) => estimate.doc.as_deref(),
             Self::Statement(statement) => statement.doc.as_deref(),
         }
     }
@@ -80,6 +89,7 @@ impl Block {
             Self::Tune(tune) => &tune.origin,
             Self::Evaluate(evaluate) => &evaluate.origin,
             Self::Calibrate(calibrate) => &calibrate.origin,
+            Self::Estimate(estimate) => &estimate.origin,
             Self::Statement(statement) => &statement.origin,
         }
     }
@@ -101,6 +111,9 @@ impl Block {
                 evaluate.measures.iter_mut().map(|measure| measure.aggregate.metric_mut()).collect()
             }
             Self::Calibrate(calibrate) => vec![&mut calibrate.condition.metric],
+            Self::Estimate(estimate) => {
+                [&mut estimate.event.metric].into_iter().chain(&mut estimate.score).collect()
+            }
             Self::Statement(statement) => {
                 statement.claims.iter_mut().flat_map(StatementClaim::metrics_mut).collect()
             }

@@ -7,9 +7,10 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     Calibrate, ControllerModel, Criterion, DeclaredBend, DeclaredDraw, DeclaredGround, DeclaredOtherRoad,
-    DeclaredSignal, Distribution, DynamicsModel, Evaluate, EvaluationError, Expression, Gate, Individuals,
-    MetricReference, Notation, Origin, PedestrianModel, PerceptionModel, PopulationShare, Rating, Reference,
-    Road, RoadUserKind, Search, Side, Statement, Tune, Value, VariedValue, VehicleReference, Written,
+    DeclaredSignal, Distribution, DynamicsModel, Estimate, Evaluate, EvaluationError, Expression, Gate,
+    Individuals, MetricReference, Notation, Origin, PedestrianModel, PerceptionModel, PopulationShare,
+    Rating, Reference, Road, RoadUserKind, Search, Side, Statement, Tune, Value, VariedValue,
+    VehicleReference, Written,
 };
 
 /// A suite: scenarios and what holds for all of them. A bare `.scn` file becomes a suite named after the file.
@@ -46,6 +47,9 @@ pub struct Suite {
     /// In the order in which they are declared.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub calibrates: Vec<Calibrate>,
+    /// In the order in which they are declared.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub estimates: Vec<Estimate>,
     /// In the order in which they are declared.
     #[serde(default)]
     pub statements: Vec<Statement>,

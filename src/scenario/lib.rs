@@ -30,6 +30,7 @@ mod direction;
 mod distribution;
 mod draw;
 mod entry;
+mod estimate;
 mod evaluate;
 mod expression;
 mod expressions;
@@ -98,6 +99,7 @@ pub use entry::{
     ControllerContext, ControllerModel, DynamicsModel, ModelSetup, PedestrianContext, PedestrianModel,
     PedestrianSetup, PerceptionModel, VehicleSetup, World,
 };
+pub use estimate::{Estimate, EstimateClaim, EstimateMethod, FEWEST_ESTIMATE_RUNS};
 pub use evaluate::{Condition, Evaluate, Measure, ParameterSet};
 pub use expression::{BinaryOperator, EvaluationError, Expression};
 pub use gate::{Gate, GateRule, Tolerance};

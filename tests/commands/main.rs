@@ -4,6 +4,7 @@ mod bugs;
 mod cli;
 mod contacts;
 mod drawn;
+mod estimates;
 #[cfg(unix)]
 mod files;
 mod gates;

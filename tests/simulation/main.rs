@@ -10,6 +10,7 @@ mod commotions_world;
 mod course;
 mod cyclists;
 mod draws;
+mod estimating;
 mod executors;
 mod ground;
 mod hiding;

@@ -74,7 +74,7 @@ pub fn search(
         None => Some(1),
     };
     let keep_node = block.keep();
-    let keep = keep_node.map(|node| constant_comparison(node, &cast, scope, report));
+    let keep = keep_node.map(|node| constraint(node, &cast, scope, report));
     let keep_in = keep_node.and_then(|node| bound_in(node.condition(), scope));
     let mut objective = objective?;
     let kept = keep.iter().flatten().zip([keep_in]);
@@ -131,8 +131,7 @@ pub fn tune(
         _ => {}
     }
     let nodes: Vec<ast::Constraint> = block.constraints().flat_map(ast::Constraints::each).collect();
-    let constraints: Vec<_> =
-        nodes.iter().map(|node| constant_comparison(*node, &cast, scope, report)).collect();
+    let constraints: Vec<_> = nodes.iter().map(|node| constraint(*node, &cast, scope, report)).collect();
     let constraints_in: Vec<_> = nodes.iter().map(|node| bound_in(node.condition(), scope)).collect();
     let over = ranges(&layers, block.over(), (name.span(), &what), &subject, scope, places, report);
     let over = over.filter(|_| only_parameters(block, report));
@@ -215,19 +214,28 @@ fn able_models(subject: &StatementSubject) -> Vec<Arc<PedestrianModel>> {
 }
 
 /// A comparison whose bound is the same for all runs.
-fn constant_comparison(
+pub fn constant_comparison(
+    (condition, undefined, what): (ast::Condition, Option<ast::Undefined>, &str),
+    cast: &Cast,
+    scope: &NameScope,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Comparison> {
+    let comparison = criterion::comparison(condition, criterion::undefined(undefined), cast, scope, report)?;
+    match &comparison.bound {
+        Expression::Constant(_) => Some(comparison),
+        varying => value::not_constant(condition.span(), varying, what, report),
+    }
+}
+
+/// Such a comparison of a search or tune.
+fn constraint(
     node: ast::Constraint,
     cast: &Cast,
     scope: &NameScope,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Comparison> {
-    let condition = node.condition();
-    let comparison =
-        criterion::comparison(condition, criterion::undefined(node.undefined()), cast, scope, report)?;
-    match &comparison.bound {
-        Expression::Constant(_) => Some(comparison),
-        varying => value::not_constant(condition.span(), varying, "the bound of this comparison", report),
-    }
+    let said = (node.condition(), node.undefined(), "the bound of this comparison");
+    constant_comparison(said, cast, scope, report)
 }
 
 /// The unit that the bound of a comparison is written in.

@@ -117,6 +117,7 @@ pub enum BlockKind {
     Tune,
     Evaluate,
     Calibrate,
+    Estimate,
     Statement,
 }
 
@@ -134,7 +135,7 @@ pub struct BlockEntry {
 
 impl BlockKind {
     /// The file first.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::File,
         Self::Road,
         Self::Path,
@@ -152,6 +153,7 @@ impl BlockKind {
         Self::Tune,
         Self::Evaluate,
         Self::Calibrate,
+        Self::Estimate,
         Self::Statement,
     ];
 }

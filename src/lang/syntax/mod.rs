@@ -22,5 +22,5 @@ pub use error::{Next, goes_on_with};
 pub use format::{format, phrase};
 pub use fragment::{Given, claim, criterion, given, replacement};
 pub use lexer::{DEEPEST_NESTING, Token, TokenKind, balance, fragment, tokens};
-pub use print::{aggregate_text, criterion_text, expression, metric_text, metric_text_of};
+pub use print::{aggregate_text, condition_text, criterion_text, expression, metric_text, metric_text_of};
 pub use tree::{Node, NodeIndex, NodeKind, Tree};

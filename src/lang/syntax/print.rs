@@ -32,7 +32,7 @@ fn part(node: Node) -> String {
 pub fn criterion_text(node: Criterion) -> String {
     let mut text = match node.aggregate_claim() {
         Some(claim) => aggregate_text(claim.aggregate()) + &bound_text(claim.relation(), claim.bound()),
-        None => node.condition().map_or(String::new(), condition_text),
+        None => node.condition().map_or(String::new(), condition_only),
     };
     if let Some(share) = node.share() {
         text += &format!(" in {} of runs", expression(share.value()));
@@ -58,14 +58,19 @@ pub fn criterion_text(node: Criterion) -> String {
 /// An aggregate in its one spelling.
 pub fn aggregate_text(of: Aggregate) -> String {
     let inside = match of {
-        Aggregate::Rate(rate) => condition_text(rate.condition()) + undefined_text(rate.undefined()),
+        Aggregate::Rate(rate) => condition_text(rate.condition(), rate.undefined()),
         Aggregate::Quantile(of) => format!("{}, {}", expression(of.level()), metric_text(of.metric())),
         Aggregate::Statistic(of) => metric_text(of.metric()),
     };
     format!("{}({inside})", of.word())
 }
 
-fn condition_text(node: Condition) -> String {
+/// A condition in its one spelling, with what an undefined run is.
+pub fn condition_text(node: Condition, undefined: Option<Undefined>) -> String {
+    condition_only(node) + undefined_text(undefined)
+}
+
+fn condition_only(node: Condition) -> String {
     let no = if node.is_negative() { "no " } else { "" };
     let bound = node.relation().zip(node.bound());
     let bound = bound.map_or(String::new(), |(relation, bound)| bound_text(relation, bound));

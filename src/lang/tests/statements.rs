@@ -28,6 +28,7 @@ fn around(kind: BlockKind, inside: &str) -> String {
         BlockKind::Tune => format!("tune t {{\n  {inside}\n}}\n"),
         BlockKind::Evaluate => format!("evaluate e {{\n  {inside}\n}}\n"),
         BlockKind::Calibrate => format!("calibrate c {{\n  {inside}\n}}\n"),
+        BlockKind::Estimate => format!("estimate e {{\n  {inside}\n}}\n"),
         BlockKind::Statement => format!("statement t {{\n  {inside}\n}}\n"),
     }
 }

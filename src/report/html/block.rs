@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::{calibrate, evaluate, search, tune};
+use super::{calibrate, estimate, evaluate, search, tune};
 use crate::failure::render_block_failure;
 use results::{BlockReport, BlockResult, BlockState, SuiteReport, Verdict};
 use scenario::Block;
@@ -25,6 +25,7 @@ pub struct BlockSection {
     tune: Option<tune::TuneSection>,
     evaluate: Option<evaluate::EvaluateSection>,
     calibrate: Option<calibrate::CalibrateSection>,
+    estimate: Option<estimate::EstimateSection>,
 }
 
 impl BlockSection {
@@ -40,6 +41,7 @@ impl BlockSection {
             (BlockState::Errored(_), _) => ("error", "!"),
             (BlockState::NotFinished(_), _) => ("not finished", "■"),
             (_, Some(Verdict::Failed)) => ("failed", "✗"),
+            (_, Some(Verdict::Inconclusive)) => ("inconclusive", "?"),
             _ => ("passed", "✓"),
         };
         let failure = render_block_failure(&report.identity, block, false);
@@ -57,6 +59,7 @@ impl BlockSection {
             tune: None,
             evaluate: None,
             calibrate: None,
+            estimate: None,
         };
         section.fill(report, block);
         section
@@ -85,6 +88,10 @@ impl BlockSection {
             (Block::Calibrate(_), BlockResult::Calibrate(result)) => {
                 self.summary = calibrate::CalibrateSection::summary(result);
                 self.calibrate = Some(calibrate::CalibrateSection::new(result));
+            }
+            (Block::Estimate(_), BlockResult::Estimate(result)) => {
+                self.summary = estimate::EstimateSection::summary(result);
+                self.estimate = Some(estimate::EstimateSection::new(report, result));
             }
             // A result of another kind than its block cannot be; nothing would be shown of it.
             _ => {}

@@ -3,6 +3,7 @@
 mod block;
 mod calibrate;
 mod embed;
+mod estimate;
 mod evaluate;
 mod figure;
 mod gate;
@@ -24,7 +25,7 @@ use files::escape::html_characters;
 use results::Results;
 
 /// The page and its parts.
-const TEMPLATES: [(&str, &str); 10] = [
+const TEMPLATES: [(&str, &str); 11] = [
     ("page.html", include_str!("page.html")),
     ("figure.html", include_str!("figure.html")),
     ("statements.html", include_str!("statements.html")),
@@ -32,6 +33,7 @@ const TEMPLATES: [(&str, &str); 10] = [
     ("tune.html", include_str!("tune.html")),
     ("evaluate.html", include_str!("evaluate.html")),
     ("calibrate.html", include_str!("calibrate.html")),
+    ("estimate.html", include_str!("estimate.html")),
     ("gate.html", include_str!("gate.html")),
     ("rating.html", include_str!("rating.html")),
     ("comparisons.html", include_str!("comparisons.html")),

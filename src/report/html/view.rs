@@ -255,6 +255,7 @@ impl Counts {
             (BlockState::Errored(_), _) => &mut self.errors,
             (BlockState::NotFinished(_), _) => &mut self.not_finished,
             (_, Some(Verdict::Failed)) => &mut self.failed,
+            (_, Some(Verdict::Inconclusive)) => &mut self.inconclusive,
             _ => &mut self.passed,
         } += 1;
     }

@@ -18,7 +18,7 @@ use serde::{Serialize, Serializer};
 use serde_json::{Map, Value, json};
 
 use super::need_every_trial;
-use super::wording::trial_warnings;
+use super::wording::{trial_warnings, verdict_word};
 use error::LAYOUT;
 pub use error::ResultsError;
 pub use read::read_results;
@@ -358,7 +358,7 @@ fn block_value(report: &BlockReport) -> Value {
         BlockState::Finished(result) => {
             fields.insert("result".into(), plain(result));
             let failure = result.failure();
-            (if failure.is_some() { "failed" } else { "passed" }, failure)
+            (verdict_word(result.verdict()), failure)
         }
         BlockState::Errored(error) => {
             insert_error(fields, error);

@@ -246,8 +246,8 @@ impl BlockOfSuite {
         let BlockRecord { block, cut, skip } = self.record;
         let verdict = self.verdict.as_str();
         let state = match (verdict, self.result, self.message, cut, skip) {
-            ("passed" | "failed", Some(result), _, None, None) => {
-                if (verdict == "failed") != result.failure().is_some() {
+            ("passed" | "inconclusive" | "failed", Some(result), _, None, None) => {
+                if !says(verdict, result.verdict()) {
                     let what = format!("its verdict is `{verdict}`, and its result says otherwise");
                     return Err(contradiction(&self.key, what));
                 }

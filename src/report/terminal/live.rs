@@ -110,7 +110,7 @@ mod tests {
         };
         let tally = Tally { outline, units_done: 1, runs_done: 10, failures: 1 };
         let mut search = Running::new("zebra/search=low_pet", 0);
-        search.evaluations = Some(Evaluations { done: 12, all: 48, best: Some(1.25) });
+        search.evaluations = Some(Evaluations { done: 12, all: 48, best: Some(1.25), within: None });
         let mut trial = Running::new("zebra/scripted/tta=6s", 20);
         trial.runs_done = 9;
         let text = panel(&tally, [trial, search].iter(), Duration::from_secs(3));

@@ -35,7 +35,12 @@ impl Running {
     /// How far it is, to be appended to its key.
     pub fn progress(&self) -> String {
         match self.evaluations {
-            Some(Evaluations { done, all, best }) => {
+            Some(Evaluations { done, all, best: Some(value), within: Some((low, high)) }) => {
+                let [value, low, high] = [value, low, high].map(|one| scenario::significant(one, 2));
+                let left = left(self.begun.elapsed(), done, all);
+                format!(": {done} of {all} runs, so far {value} [{low}, {high}]{left}")
+            }
+            Some(Evaluations { done, all, best, .. }) => {
                 let best = best.map(|best| format!(", best {}", scenario::significant(best, 4)));
                 let left = left(self.begun.elapsed(), done, all);
                 format!(": {done} of {all} evaluations{}{left}", best.unwrap_or_default())

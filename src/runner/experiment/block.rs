@@ -4,6 +4,7 @@ use super::calibrate::run_calibrate;
 use super::context::{BlockProgress, Context};
 use super::earlier::EarlierResults;
 use super::error::ExperimentError;
+use super::estimate::run_estimate;
 use super::evaluate::run_evaluate;
 use super::search::run_search;
 use super::statement::run_statement;
@@ -30,6 +31,7 @@ pub fn run_block(
         Block::Calibrate(calibrate) => {
             run_calibrate(context, calibrate, progress).map(BlockResult::Calibrate)
         }
+        Block::Estimate(estimate) => run_estimate(context, estimate, progress).map(BlockResult::Estimate),
         Block::Statement(statement) => run_statement(context, statement, results).map(BlockResult::Statement),
     }
 }

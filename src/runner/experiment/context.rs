@@ -47,6 +47,9 @@ impl<'a> Context<'a> {
         for evaluate in &suite.evaluates {
             evaluate.measures.iter().for_each(|measure| requests.add(measure.aggregate.metric()));
         }
+        for estimate in &suite.estimates {
+            [&estimate.event.metric].into_iter().chain(&estimate.score).for_each(|one| requests.add(one));
+        }
         suite.calibrates.iter().for_each(|calibrate| requests.add(&calibrate.condition.metric));
         for statement in &suite.statements {
             measured(statement).iter().for_each(|one| requests.add(one.aggregate.metric()));
@@ -90,6 +93,12 @@ impl<'a> Context<'a> {
 pub trait BlockProgress: Sync {
     /// `done` of `all` evaluations are finished; `best` is the best objective value so far, if there is one.
     fn evaluated(&self, done: usize, all: usize, best: Option<f64>);
+
+    /// The same of an estimate: its value so far, and between what it lies at 95 %.
+    fn evaluated_within(&self, done: usize, all: usize, value: f64, within: (f64, f64)) {
+        let _ = within;
+        self.evaluated(done, all, Some(value));
+    }
 }
 
 /// Nobody watches.

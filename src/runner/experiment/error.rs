@@ -54,6 +54,9 @@ pub enum ExperimentError {
         /// What to do about it.
         hint: Option<String>,
     },
+    /// A probability cannot be estimated.
+    #[error("{0}")]
+    Estimate(String),
     /// A case that was chosen cannot be planned.
     #[error(transparent)]
     Plan(#[from] PlanError),

@@ -1,4 +1,4 @@
-//! The blocks of a suite that build on each other: `search`, `tune`, `evaluate` and `statement`.
+//! The blocks of a suite that build on each other: `search`, `tune`, `evaluate`, `estimate` and `statement`.
 //!
 //! A search looks for the values at which a metric is worst, person by person; a tune looks for controller parameters
 //! that are best on a set of cases under constraints; an evaluation compares sets of parameters on the same cases; a
@@ -12,6 +12,7 @@ mod claim;
 mod context;
 mod earlier;
 mod error;
+mod estimate;
 mod evaluate;
 mod journal;
 mod needs;

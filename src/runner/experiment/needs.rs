@@ -17,7 +17,7 @@ pub enum Need {
 /// What it has to wait for, each once.
 pub fn needs(block: &Block) -> Vec<Need> {
     let all = match block {
-        Block::Search(_) | Block::Calibrate(_) => Vec::new(),
+        Block::Search(_) | Block::Calibrate(_) | Block::Estimate(_) => Vec::new(),
         Block::Tune(tune) => case_set_needs(&tune.on),
         Block::Evaluate(evaluate) => {
             let mut needs = case_set_needs(&evaluate.on);

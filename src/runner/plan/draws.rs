@@ -19,6 +19,11 @@ pub const OUTERMOST: f64 = 1e-7;
 /// So often at most is a run drawn again; that it takes two is less likely than once in a million runs.
 const MOST_ATTEMPTS: u64 = 100;
 
+/// Whether a coordinate of a point lies outermost.
+pub fn is_outermost(point: &[f64]) -> bool {
+    point.iter().any(|share| share.min(1.0 - share) < OUTERMOST)
+}
+
 /// All that a scenario draws, with the populations that it draws people from.
 #[derive(Debug)]
 pub struct RunDraws {
@@ -119,11 +124,10 @@ impl RunDraws {
         let mut attempt = 0;
         loop {
             let point = self.point(seed, attempt);
-            let is_outermost = point.iter().any(|share| share.min(1.0 - share) < OUTERMOST);
             attempt += 1;
             match self.at(scenario, variables, fixed, &point) {
                 Ok(run) => return Ok((point, run)),
-                Err(error) if !is_outermost || attempt == MOST_ATTEMPTS => return Err(error),
+                Err(error) if !is_outermost(&point) || attempt == MOST_ATTEMPTS => return Err(error),
                 Err(_) => {}
             }
         }
@@ -227,6 +231,20 @@ impl RunDraws {
                 let origin = person.individuals.as_ref().map_or(&person.origin, |one| &one.origin);
                 (origin, &self.axes[axis].stream)
             }
+        }
+    }
+
+    /// What the rows or people of an axis weigh, in their order; `None` of a distribution of numbers.
+    pub fn weights(&self, scenario: &Scenario, axis: usize) -> Option<Vec<f64>> {
+        match &self.axes[axis].of {
+            AxisOf::Person(_, people) => Some(vec![1.0; people.len()]),
+            AxisOf::Declared(index) => match &scenario.draws[*index].from {
+                DrawSource::Table(table) => Some(table.weights.clone()),
+                DrawSource::Distribution { distribution, .. } => match distribution {
+                    scenario::Distribution::Weighted { weights, .. } => Some(weights.clone()),
+                    listed => listed.options().map(|options| vec![1.0; options.len()]),
+                },
+            },
         }
     }
 

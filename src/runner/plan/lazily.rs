@@ -6,7 +6,7 @@ use std::ops::Deref;
 use std::sync::{Arc, OnceLock};
 
 use super::drawable::{CutOffDraw, DrawnTrial};
-use super::draws::{DrawAxis, DrawnRun, RunDraws};
+use super::draws::{DrawAxis, DrawnRun, RunDraws, is_outermost};
 use super::error::PlanError;
 use super::individuals::{label, select};
 use super::sampling::digest;
@@ -303,6 +303,13 @@ impl Cases {
         }
     }
 
+    /// Of each axis what its rows or people weigh, each of which has a part of 0..1 in proportion, in their order; `None` of a number.
+    pub fn axis_weights(&self) -> Vec<Option<Vec<f64>>> {
+        let Source::Planned(Planned { of, .. }) = &self.0 else { return Vec::new() };
+        let Some(draws) = &of.0.draws else { return Vec::new() };
+        (0..draws.len()).map(|axis| draws.weights(of.scenario(), axis)).collect()
+    }
+
     /// Whether every run draws something.
     pub fn are_drawn(&self) -> bool {
         !self.axes().is_empty()
@@ -345,15 +352,52 @@ impl Cases {
         Ok(Case { key, drawn, individuals, world, impossible: None, ..case })
     }
 
+    /// As [`Self::at`]; `None` of a point that is not possible and lies so far out that no run is at it: one that would be is drawn again.
+    ///
+    /// # Errors
+    /// If there is no such run, and it is not far out.
+    ///
+    /// # Panics
+    /// As [`Self::at`].
+    pub fn at_drawn(&self, index: usize, point: &[f64]) -> Result<Option<Case>, PlanError> {
+        match self.at(index, point) {
+            Ok(case) => Ok(Some(case)),
+            Err(_) if is_outermost(point) => Ok(None),
+            Err(error) => Err(error),
+        }
+    }
+
     /// The run of that name, be it [at a point](Self::at) of its own.
     pub fn named(&self, key: &str) -> Option<Case> {
         let (run, point) = key.split_once(AT_POINT).map_or((key, None), |(run, point)| (run, Some(point)));
-        let index = (0..self.len()).find(|index| self.key(*index) == run)?;
-        let Some(point) = point else { return Some(self.get(index)) };
+        let Some(point) = point else {
+            let index = (0..self.len()).find(|index| self.key(*index) == run)?;
+            return Some(self.get(index));
+        };
+        // An estimate makes more runs of a trial than it has by itself, at points of their own.
+        let more = self.with_repetition(run)?;
+        more.named_at(run, point)
+    }
+
+    fn named_at(&self, run: &str, point: &str) -> Option<Case> {
+        let index = (0..self.len()).rev().find(|index| self.key(*index) == run)?;
         let point: Vec<f64> = point.split(',').map(|share| share.parse().ok()).collect::<Option<_>>()?;
         let is_point =
             point.len() == self.axes().len() && point.iter().all(|share| *share > 0.0 && *share < 1.0);
         if is_point { self.at(index, &point).ok() } else { None }
+    }
+
+    /// With as many repetitions as a run of that name takes.
+    fn with_repetition(&self, run: &str) -> Option<Self> {
+        let (_, repetition) = run.rsplit_once("/rep=")?;
+        let repetition: usize = repetition.parse().ok().filter(|one| (1..=MOST_RUNS).contains(one))?;
+        Some(match &self.0 {
+            Source::Planned(planned) => {
+                let repetitions = planned.repetitions.max(repetition);
+                Self(Source::Planned(Planned { repetitions, ..planned.clone() }))
+            }
+            Source::Listed(_) => self.clone(),
+        })
     }
 
     /// The run in the middle of all that is drawn, by the name and seed of the first; `None` where nothing is drawn.

@@ -341,6 +341,11 @@ struct Relay {
 
 impl BlockProgress for Relay {
     fn evaluated(&self, done: usize, all: usize, value: Option<f64>) {
-        send(&self.sender, Message::Evaluated { unit: self.unit, done, all, value });
+        send(&self.sender, Message::Evaluated { unit: self.unit, done, all, value, within: None });
+    }
+
+    fn evaluated_within(&self, done: usize, all: usize, value: f64, within: (f64, f64)) {
+        let (value, within) = (Some(value), Some(within));
+        send(&self.sender, Message::Evaluated { unit: self.unit, done, all, value, within });
     }
 }

@@ -17,7 +17,7 @@ use scenario::{Block, Goal, Suite};
 pub enum Message {
     Begun(usize),
     RunDone(usize),
-    Evaluated { unit: usize, done: usize, all: usize, value: Option<f64> },
+    Evaluated { unit: usize, done: usize, all: usize, value: Option<f64>, within: Option<(f64, f64)> },
     Finished { unit: usize, report: UnitReport, off: Vec<(usize, Off)> },
     Stopping(Stopping),
 }
@@ -79,9 +79,9 @@ impl<'t, 'a> Reporting<'t, 'a> {
                 self.reporter.tell(&Event::UnitBegun { unit, key, runs });
             }
             Message::RunDone(unit) => self.tell(&Event::RunDone { unit }),
-            Message::Evaluated { unit, done, all, value } => {
+            Message::Evaluated { unit, done, all, value, within } => {
                 let best = self.best(unit, value);
-                self.tell(&Event::Evaluated { unit, evaluations: Evaluations { done, all, best } });
+                self.tell(&Event::Evaluated { unit, evaluations: Evaluations { done, all, best, within } });
             }
             Message::Finished { unit, report, off } => {
                 self.finished(unit, report);
@@ -101,6 +101,8 @@ impl<'t, 'a> Reporting<'t, 'a> {
                 Block::Search(search) => Some(search.objective.direction),
                 Block::Tune(tune) => tune.objectives.first().map(|objective| objective.direction),
                 Block::Evaluate(_) | Block::Calibrate(_) | Block::Statement(_) => None,
+                // Not the best, but the estimate so far.
+                Block::Estimate(_) => return value,
             },
             UnitKind::Trial { .. } | UnitKind::Recorded => None,
         }?;

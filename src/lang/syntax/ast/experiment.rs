@@ -2,8 +2,8 @@
 
 use super::super::entry::{BlockEntry, BlockKind, StatementEntry, YamlShape, statement};
 use super::{
-    Aggregate, Condition, Doc, Expression, Individuals, Integer, List, Metric, Name, Population, Quantity,
-    Rate, Reference, Relation, Repeat, SettingName, Text, Undefined, When,
+    Aggregate, Condition, Confidence, Doc, Expression, Individuals, Integer, List, Metric, Name, Population,
+    Quantity, Rate, Reference, Relation, Repeat, SettingName, Text, Undefined, When,
 };
 use super::{DOC, INDIVIDUAL, INDIVIDUALS, REPEAT};
 #[cfg(test)]
@@ -148,6 +148,32 @@ views! {
     Folds = folds { count: Integer }
     /// `compare with standard, "people.json"`
     ComparePeople = compare_people { populations: [Population] }
+    /// `estimate NAME { … }`
+    Estimate = estimate { name: Name, block: EstimateBlock }
+    EstimateBlock = estimate_block {
+        doc: (Doc),
+        of: (EstimateOf),
+        event: (Event),
+        score: (Score),
+        budget: (EstimateBudget),
+        claims: [EstimateClaim],
+    }
+    /// `of SCENARIO`
+    EstimateOf = estimate_of { name: Name }
+    /// `event collision`
+    Event = event { condition: Condition, undefined: (Undefined) }
+    /// `score pet`
+    Score = score { metric: Metric }
+    /// `budget 50000 runs, by importance`
+    EstimateBudget = estimate_budget { runs: Integer, method: (SamplingMethod) }
+    SamplingMethod = sampling_method { is_crude: {kw_crude} }
+    /// `claim guaranteed <= 1e-3 with 95 % confidence`
+    EstimateClaim = estimate_claim {
+        is_guaranteed: {kw_guaranteed},
+        relation: Relation,
+        bound: Expression,
+        confidence: (Confidence),
+    }
     /// `statement NAME { … }`
     Statement = statement { name: Name, block: StatementBlock }
     StatementBlock = statement_block {
@@ -177,11 +203,11 @@ views! {
 
 choices! {
     /// What a suite computes besides its trials.
-    Block = Search | Tune | Evaluate | Calibrate | Statement;
+    Block = Search | Tune | Evaluate | Calibrate | Estimate | Statement;
     /// What a claim is made of, between operators.
     ClaimedOperand = Measured | Chosen | ClaimedGroup | Quantity | Reference;
     /// What names scenarios or blocks.
-    Referring = SearchIn | CalibrateIn | OnCases | AsMany | Evaluated | Outcomes | Chosen;
+    Referring = SearchIn | CalibrateIn | EstimateOf | OnCases | AsMany | Evaluated | Outcomes | Chosen;
 }
 
 impl<'t> Block<'t> {
@@ -191,6 +217,7 @@ impl<'t> Block<'t> {
             Self::Tune(tune) => tune.name(),
             Self::Evaluate(evaluate) => evaluate.name(),
             Self::Calibrate(calibrate) => calibrate.name(),
+            Self::Estimate(estimate) => estimate.name(),
             Self::Statement(statement) => statement.name(),
         }
     }
@@ -230,6 +257,16 @@ pub(super) const CALIBRATE: StatementEntry = statement(
 )
 .key("calibrates", YamlShape::Named)
 .opens(BlockKind::Calibrate)
+.names();
+
+pub(super) const ESTIMATE: StatementEntry = statement(
+    "estimate",
+    Rule::estimate,
+    "estimate NAME { … }",
+    "The probability of a rare event in a scenario that draws: a guaranteed bound and an estimate.",
+)
+.key("estimates", YamlShape::Named)
+.opens(BlockKind::Estimate)
 .names();
 
 pub(super) const STATEMENT: StatementEntry = statement(
@@ -421,6 +458,50 @@ pub static CALIBRATE_BLOCK: BlockEntry = BlockEntry {
             "Other populations in the same conditions, shown beside people and the weighed candidates.",
         )
         .key("compare", YamlShape::Words),
+    ],
+};
+
+pub static ESTIMATE_BLOCK: BlockEntry = BlockEntry {
+    kind: BlockKind::Estimate,
+    rule: Rule::estimate_block,
+    name: "an `estimate`",
+    heads: &[DOC],
+    statements: &[
+        statement("of", Rule::estimate_of, "of walk", "The scenario, which draws something in every run.")
+            .key("of", YamlShape::Words)
+            .needed("scenario", "of SCENARIO"),
+        statement(
+            "event",
+            Rule::event,
+            "event collision`, `event pet < 0.5 s",
+            "What the probability is of: anything that is true or false of a single run.",
+        )
+        .key("event", YamlShape::Words)
+        .needed("event", "event collision"),
+        statement(
+            "score",
+            Rule::score,
+            "score pet",
+            "A metric that gets worse the nearer a run is to the event: it shows where to look.",
+        )
+        .key("score", YamlShape::Words)
+        .needed("score", "score pet"),
+        statement(
+            "budget",
+            Rule::estimate_budget,
+            "budget 50000 runs, by importance`, `budget 1000000 runs, by crude",
+            "How many runs are made, and how: where the event is likely, weighed, or as they are drawn.",
+        )
+        .key("budget", YamlShape::Words)
+        .needed("budget", "budget 50000 runs, by importance"),
+        statement(
+            "claim",
+            Rule::estimate_claim,
+            "claim <= 1e-5 with 95 % confidence`, `claim guaranteed <= 1e-3",
+            "What the probability is at most: by the estimate, or by the bound that needs no assumption.",
+        )
+        .key("claims", YamlShape::Lines)
+        .repeats(),
     ],
 };
 

@@ -3,7 +3,7 @@
 use super::super::entry::{BlockEntry, BlockKind, YamlShape, statement};
 use super::super::tree::Tree;
 use super::{Binding, Block, ControllerDefinition, RoadDefinition, Scenario, Suite, Text};
-use super::{CALIBRATE, EVALUATE, LET, SCENARIO, SEARCH, STATEMENT, TUNE};
+use super::{CALIBRATE, ESTIMATE, EVALUATE, LET, SCENARIO, SEARCH, STATEMENT, TUNE};
 #[cfg(test)]
 use super::{Holds, Made};
 use super::{Node, Rule, View};
@@ -74,6 +74,7 @@ pub static FILE: BlockEntry = BlockEntry {
         TUNE.repeats(),
         EVALUATE.repeats(),
         CALIBRATE.repeats(),
+        ESTIMATE.repeats(),
         STATEMENT.repeats(),
         statement("suite", Rule::suite, "suite NAME { … }", "Scenarios that are run together.")
             .key("suite", YamlShape::Named)

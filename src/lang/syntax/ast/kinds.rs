@@ -2,15 +2,15 @@
 
 use super::{
     Argument, Binding, Calibrate, Constraint, Controller, ControllerDefinition, Crossing, Direction, Draw,
-    Dynamics, Evaluate, Expression, Measure, Metric, Model, Name, Obstacle, OtherCrossing, Parameter,
-    Pedestrian, RoadDefinition, Scenario, Search, Sees, Settings, Statement, Suite, Tag, Tested, Tune, Turn,
-    Varied, VaryTogether, Vehicle,
+    Dynamics, Estimate, Evaluate, Expression, Measure, Metric, Model, Name, Obstacle, OtherCrossing,
+    Parameter, Pedestrian, RoadDefinition, Scenario, Search, Sees, Settings, Statement, Suite, Tag, Tested,
+    Tune, Turn, Varied, VaryTogether, Vehicle,
 };
 use super::{Node, Rule, View};
 
 choices! {
     /// What gives names to a whole file.
-    Defining = Binding | RoadDefinition | ControllerDefinition | Scenario | Search | Tune | Evaluate | Calibrate | Statement;
+    Defining = Binding | RoadDefinition | ControllerDefinition | Scenario | Search | Tune | Evaluate | Calibrate | Estimate | Statement;
     /// What scenarios stand in, themselves included.
     HoldsScenarios = Scenario | Suite;
     /// What gives a name that is known in a scenario only, or in its file.

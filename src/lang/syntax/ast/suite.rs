@@ -4,7 +4,7 @@ use super::super::entry::{BlockEntry, BlockKind, YamlShape, statement};
 use super::{
     Block, Confidence, Doc, Expect, Expression, Metric, Name, Rating, Scenario, Seed, Settings, Tags, Text,
 };
-use super::{CALIBRATE, DOC, EVALUATE, EXPECT, RATING, SCENARIO, SEARCH, STATEMENT, TAGS, TUNE};
+use super::{CALIBRATE, DOC, ESTIMATE, EVALUATE, EXPECT, RATING, SCENARIO, SEARCH, STATEMENT, TAGS, TUNE};
 #[cfg(test)]
 use super::{Holds, Made};
 use super::{Node, Rule, View};
@@ -84,6 +84,7 @@ pub static SUITE: BlockEntry = BlockEntry {
         TUNE.repeats(),
         EVALUATE.repeats(),
         CALIBRATE.repeats(),
+        ESTIMATE.repeats(),
         STATEMENT.repeats(),
         statement(
             "gate",

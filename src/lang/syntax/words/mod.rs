@@ -29,6 +29,7 @@ impl BlockKind {
             Self::Tune => &ast::TUNE_BLOCK,
             Self::Evaluate => &ast::EVALUATE_BLOCK,
             Self::Calibrate => &ast::CALIBRATE_BLOCK,
+            Self::Estimate => &ast::ESTIMATE_BLOCK,
             Self::Statement => &ast::STATEMENT_BLOCK,
         }
     }

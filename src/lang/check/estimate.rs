@@ -1,0 +1,283 @@
+//! `estimate NAME { … }`
+
+use super::block::{Layer, missing, reject_repeats};
+use super::criterion;
+use super::experiment::constant_comparison;
+use super::literal;
+use super::metric::metric_reference;
+use super::places::Places;
+use super::subject::{StatementSubject, Subjects};
+use crate::codes::Code;
+use crate::diagnostic::Diagnostic;
+use crate::source::Span;
+use crate::syntax;
+use crate::syntax::ast;
+use crate::value::{self, NameScope};
+use scenario::{
+    Dimension, Estimate, EstimateClaim, EstimateMethod, FEWEST_ESTIMATE_RUNS, MetricKind, MetricReference,
+    PopulationShare, Relation, Worst,
+};
+
+/// As many runs as a suite may have.
+const MOST_RUNS: u32 = 10_000_000;
+/// Where nothing is said.
+const CONFIDENCE: f64 = 0.95;
+
+/// The estimate at `node`.
+pub fn estimate(
+    node: ast::Estimate,
+    subjects: &Subjects,
+    scope: &NameScope,
+    places: &Places,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Estimate> {
+    let (name, block) = (node.name(), node.block());
+    reject_repeats(*block, report);
+    let layers = [Layer { block, scope }];
+    let what = format!("estimate `{}`", name.text());
+    let budget = match block.budget() {
+        Some(said) => budget(said, report),
+        None => {
+            missing::<ast::EstimateBudget>(&layers, name.span(), &what, report);
+            None
+        }
+    };
+    let method = match block.budget().and_then(ast::EstimateBudget::method) {
+        Some(method) if method.is_crude() => EstimateMethod::Crude,
+        _ => EstimateMethod::Importance,
+    };
+    let claims: Vec<_> = block.claims().map(|claim| self::claim(claim, scope, places, report)).collect();
+    let Some(of) = block.of().map(ast::EstimateOf::name) else {
+        missing::<ast::EstimateOf>(&layers, name.span(), &what, report);
+        return None;
+    };
+    let subject = subjects.scenario(of.span(), of.text(), &[], places, report)?;
+    let is_drawn = draws(of.span(), &subject, report);
+    let cast = subject.cast();
+    let event = match block.event() {
+        Some(event) => {
+            let text = syntax::condition_text(event.condition(), event.undefined());
+            constant_comparison(
+                (event.condition(), event.undefined(), "the bound of the event"),
+                &cast,
+                scope,
+                report,
+            )
+            .map(|event| (event, text))
+        }
+        None => {
+            missing::<ast::Event>(&layers, name.span(), &what, report);
+            None
+        }
+    };
+    let score = match block.score() {
+        Some(said) => {
+            let reference = metric_reference(said.metric(), &cast, scope, report);
+            Some(reference.and_then(|(reference, found)| {
+                let slopes = matches!(found.kind, MetricKind::Quantity(_)) && found.worst != Worst::Neither;
+                score(said.span(), reference, slopes, report)
+            })?)
+        }
+        None if method == EstimateMethod::Crude => None,
+        None => {
+            missing::<ast::Score>(&layers, name.span(), &what, report);
+            return None;
+        }
+    };
+    let (budget, claims) = (budget?, claims.into_iter().collect::<Option<Vec<_>>>()?);
+    let can = block.claims().zip(&claims).all(|(node, claim)| suffices(node, claim, budget, method, report));
+    let (event, event_text) = event?;
+    (is_drawn && can).then_some(Estimate {
+        name: name.text().to_string(),
+        doc: literal::doc(block.doc()),
+        scenario: subject.scenario.name.clone(),
+        event,
+        event_text,
+        score,
+        budget,
+        method,
+        claims,
+        origin: places.origin(name.span()),
+    })
+}
+
+fn bad(span: Span, message: impl Into<String>) -> Diagnostic {
+    Diagnostic::new(Code::BadEstimate, span, message)
+}
+
+fn budget(node: ast::EstimateBudget, report: &mut Vec<Diagnostic>) -> Option<u32> {
+    let runs = literal::count(node.runs(), 1, MOST_RUNS, "the number of runs", report)?;
+    if runs < FEWEST_ESTIMATE_RUNS {
+        report.push(
+            Diagnostic::new(
+                Code::BudgetTooSmall,
+                node.runs().span(),
+                format!("{runs} runs are too few for 20 independent replicates"),
+            )
+            .label("too few")
+            .hint(format!("take at least {FEWEST_ESTIMATE_RUNS}, and rather 20000")),
+        );
+        return None;
+    }
+    Some(runs)
+}
+
+/// Whether the scenario is one population of runs that differ by what is drawn.
+fn draws(span: Span, subject: &StatementSubject, report: &mut Vec<Diagnostic>) -> bool {
+    let scenario = subject.scenario;
+    if !scenario.variations.is_empty() {
+        let names: Vec<_> =
+            scenario.variations.iter().flat_map(|one| one.names()).map(String::as_str).collect();
+        report.push(
+            bad(span, format!("`{}` varies `{}`: that is several trials", scenario.name, names.join("`, `")))
+                .label("not one population of runs")
+                .hint("let it `draw` them, or write a scenario with one value"),
+        );
+        return false;
+    }
+    let several = scenario.pedestrians.iter().find(|person| {
+        let chosen = person.individuals.as_ref().map(|one| &one.selection);
+        matches!(chosen, Some(PopulationShare::All | PopulationShare::Count(_)))
+    });
+    if let Some(person) = several {
+        report.push(
+            bad(span, format!("`{}` of `{}` is several people in turn", person.name, scenario.name))
+                .label("not one population of runs")
+                .hint("say `individuals drawn from standard`, or take one: `individual 17 of standard`"),
+        );
+        return false;
+    }
+    if !scenario.is_drawn() {
+        report.push(
+            bad(span, format!("`{}` draws nothing that could be looked into", scenario.name))
+                .label("no run differs by what is drawn")
+                .hint(
+                    "say what differs from run to run, such as `draw tta from normal(9 s, 1.5 s)` or \
+                       `individuals drawn from standard`",
+                ),
+        );
+        return false;
+    }
+    true
+}
+
+/// Metrics that are the same in all runs in which nobody comes near.
+const FLAT: [&str; 1] = ["min_distance"];
+
+fn score(
+    span: Span,
+    reference: MetricReference,
+    slopes: bool,
+    report: &mut Vec<Diagnostic>,
+) -> Option<MetricReference> {
+    if !slopes {
+        report.push(
+            bad(span, format!("`{}` is nothing that gets worse towards an event", reference.name()))
+                .label("no score")
+                .hint("take a quantity, such as `score pet` or `score min_ttc`"),
+        );
+        return None;
+    }
+    if FLAT.contains(&reference.name()) {
+        report.push(
+            Diagnostic::new(
+                Code::FlatScore,
+                span,
+                format!("`{}` is flat where nobody comes near", reference.name()),
+            )
+            .label("does not slope towards the event")
+            .hint("take a time, such as `score pet` or `score min_ttc`"),
+        );
+    }
+    Some(reference)
+}
+
+fn claim(
+    node: ast::EstimateClaim,
+    scope: &NameScope,
+    places: &Places,
+    report: &mut Vec<Diagnostic>,
+) -> Option<EstimateClaim> {
+    if node.relation().meaning() != Relation::LessOrEqual {
+        report.push(
+            bad(node.relation().span(), "a claim says what the probability is at most")
+                .label("not `<=`")
+                .hint("write `claim <= 1e-5`"),
+        );
+        return None;
+    }
+    let what = "the probability";
+    let value = value::quantity_of(node.bound(), Dimension::NUMBER, what, scope, report)?;
+    let at_most = value
+        .as_constant_number()
+        .or_else(|| value::not_constant(value.span, &value.expression, what, report))?;
+    if !(at_most > 0.0 && at_most < 1.0) {
+        report.push(
+            bad(node.bound().span(), format!("no runs show a probability of at most {at_most}"))
+                .label("not between 0 and 1")
+                .hint("write it as a number above 0, such as `1e-5`"),
+        );
+        return None;
+    }
+    let confidence = match node.confidence() {
+        Some(said) => criterion::share(said.value(), "the confidence", true, scope, report)?,
+        None => CONFIDENCE,
+    };
+    let text = node.text().split_whitespace().collect::<Vec<_>>().join(" ");
+    let guaranteed = node.is_guaranteed();
+    Some(EstimateClaim { guaranteed, at_most, confidence, text, origin: places.origin(node.span()) })
+}
+
+/// Whether the budget can show a claim at all.
+fn suffices(
+    node: ast::EstimateClaim,
+    claim: &EstimateClaim,
+    budget: u32,
+    method: EstimateMethod,
+    report: &mut Vec<Diagnostic>,
+) -> bool {
+    let nominal = method.nominal_runs(budget as usize) as u64;
+    if !claim.guaranteed && method != EstimateMethod::Crude {
+        return true;
+    }
+    let needed = claim.runs_needed();
+    if needed.is_some_and(|needed| nominal >= needed) {
+        return true;
+    }
+    let needed = needed.map_or_else(|| "more".to_string(), grouped);
+    let level = scenario::significant(100.0 * claim.confidence, 6);
+    let how = match method {
+        EstimateMethod::Importance => "; `by importance` makes one in ten of the runs after its pilot such",
+        EstimateMethod::Crude => "",
+    };
+    report.push(
+        Diagnostic::new(
+            Code::BudgetTooSmall,
+            node.span(),
+            format!(
+                "this needs at least {needed} runs for {} at {level} %, and the budget has {} that are drawn as they are",
+                scenario::significant(claim.at_most, 6),
+                grouped(nominal)
+            ),
+        )
+        .label("cannot be shown, whatever comes of the runs")
+        .hint(format!(
+            "raise the budget, or let the estimate decide: `claim <= {}`{how}",
+            scenario::significant(claim.at_most, 6)
+        )),
+    );
+    false
+}
+
+/// With commas between thousands.
+fn grouped(number: u64) -> String {
+    let digits = number.to_string();
+    let mut text = String::new();
+    for (index, digit) in digits.chars().enumerate() {
+        if index > 0 && (digits.len() - index).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}

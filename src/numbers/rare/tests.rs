@@ -1,0 +1,242 @@
+//! Methods held against probabilities that are known in closed form. `cargo bench --bench rare` does the same at length.
+
+use super::*;
+use crate::distributions::normal;
+use crate::random::derive_seed;
+
+/// A problem without a simulator: how far a point is from the event, which happens at 0 and below.
+struct Problem {
+    name: &'static str,
+    dimensions: usize,
+    probability: f64,
+    score: fn(&[f64]) -> f64,
+    /// Whether the pilot is not shown that there is an event.
+    hidden: fn(&[f64]) -> bool,
+}
+
+fn tail(beta: f64) -> f64 {
+    normal::cumulative(-beta)
+}
+
+fn space(dimensions: usize) -> RareSpace {
+    RareSpace::new(vec![RareAxis::Continuous; dimensions])
+}
+
+fn run(method: &mut dyn RareSampling, problem: &Problem, space: &RareSpace) -> usize {
+    let mut runs = 0;
+    while let Some(round) = method.ask() {
+        runs += round.points.len();
+        let outcome = |one: &RarePoint| {
+            let z = space.place(&one.point).z;
+            let score = (problem.score)(&z);
+            let hidden = round.is_pilot && (problem.hidden)(&z);
+            RareOutcome { event: score <= 0.0 && !hidden, score: if hidden { 9.0 } else { score } }
+        };
+        let outcomes: Vec<_> = round.points.iter().map(outcome).collect();
+        method.tell(&outcomes);
+    }
+    runs
+}
+
+#[derive(Default, Debug)]
+struct Counted {
+    refused: u64,
+    covered: u64,
+    guaranteed: u64,
+    values: Vec<f64>,
+}
+
+fn repeated(problem: &Problem, repetitions: u64, budget: usize) -> Counted {
+    let mut counted = Counted::default();
+    for repetition in 0..repetitions {
+        let space = space(problem.dimensions);
+        let mut method =
+            ImportanceSampling::new(space.clone(), budget, derive_seed(repetition, problem.name));
+        let runs = run(&mut method, problem, &space);
+        assert!(runs == method.budget() && runs <= budget, "{runs} runs of {budget}");
+        let estimate = RareEstimate::of(&space, method.replicates(), RareScale::Logarithmic);
+        assert_eq!(estimate.nominal.0 as usize, method.nominal_runs());
+        counted.guaranteed += u64::from(problem.probability <= estimate.guaranteed(0.95));
+        counted.values.push(estimate.value);
+        if estimate.refusals.is_empty() {
+            counted.covered += u64::from(estimate.interval(0.95).contains(problem.probability));
+        } else {
+            counted.refused += 1;
+        }
+    }
+    counted
+}
+
+/// Three standard errors of the check below a share.
+fn at_least(share: f64, of: u64) -> f64 {
+    share - 3.0 * (share * (1.0 - share) / of as f64).sqrt()
+}
+
+#[test]
+fn known_probabilities_are_covered_without_bias() {
+    let nothing = |_: &[f64]| false;
+    let problems = [
+        Problem {
+            name: "linear, 1e-6",
+            dimensions: 4,
+            probability: tail(4.7534),
+            score: |z| 4.7534 - 0.5 * z.iter().sum::<f64>(),
+            hidden: nothing,
+        },
+        Problem {
+            name: "two regions on opposite sides",
+            dimensions: 2,
+            probability: tail(4.0) + tail(4.3),
+            score: |z| (4.0 - z[0]).min(4.3 + z[0]),
+            hidden: nothing,
+        },
+    ];
+    for problem in problems {
+        let repetitions = 40;
+        let counted = repeated(&problem, repetitions, 4000);
+        let kept = repetitions - counted.refused;
+        let name = problem.name;
+        assert!(counted.refused <= 4, "{name}: {counted:?}");
+        assert!(counted.covered as f64 >= at_least(0.93, kept) * kept as f64, "{name}: {counted:?}");
+        let guaranteed = counted.guaranteed as f64;
+        assert!(guaranteed >= at_least(0.95, repetitions) * repetitions as f64, "{name}: {counted:?}");
+        let mean = crate::summary::mean(&counted.values).unwrap();
+        let error = crate::summary::std(&counted.values).unwrap() / (repetitions as f64).sqrt();
+        assert!((mean - problem.probability).abs() < 4.0 * error, "{name}: {mean} ± {error}");
+        assert!(error / mean < 0.02, "{name}: it is no better than crude runs: {mean} ± {error}");
+    }
+}
+
+/// The wrong green that matters most: a region that nothing led to.
+#[test]
+fn a_region_that_the_pilot_did_not_see_is_found_or_refused() {
+    let problem = Problem {
+        name: "a corner that nothing leads to",
+        dimensions: 3,
+        probability: {
+            let (one, other) = (tail(3.5), tail(2.3) * tail(2.3));
+            one + other - one * other
+        },
+        score: |z| if z[1] > 2.3 && z[2] > 2.3 { 0.0 } else { 3.5 - z[0] },
+        hidden: |z| z[1] > 2.3 && z[2] > 2.3,
+    };
+    assert!(tail(2.3) * tail(2.3) < tail(3.5), "it is the rarer of the two");
+    let repetitions = 30;
+    let counted = repeated(&problem, repetitions, 20_000);
+    let right = (counted.covered + counted.refused) as f64;
+    assert!(right >= at_least(0.93, repetitions) * repetitions as f64, "{counted:?}");
+}
+
+#[test]
+fn nothing_but_nominal_runs_decides_the_guarantee() {
+    let space = space(2);
+    let problem = Problem {
+        name: "everywhere",
+        dimensions: 2,
+        probability: 0.3,
+        score: |z| -0.5244 - z[0],
+        hidden: |_| false,
+    };
+    let mut method = ImportanceSampling::new(space.clone(), 4000, 3);
+    run(&mut method, &problem, &space);
+    let estimate = RareEstimate::of(&space, method.replicates(), RareScale::Logarithmic);
+    let (runs, hits) = estimate.nominal;
+    assert_eq!((runs, method.nominal_runs()), (300, 300), "a tenth of what the pilot leaves");
+    assert_eq!(estimate.guaranteed(0.95), crate::inference::upper_bound(hits, runs, 0.95));
+    assert!((estimate.unseen(0.95) - 3.0 / 300.0).abs() < 1e-4);
+    let mut others = method.replicates().to_vec();
+    others.iter_mut().for_each(|one| one.probability *= 1e-3);
+    let other = RareEstimate::of(&space, &others, RareScale::Logarithmic);
+    assert_eq!(other.guaranteed(0.95), estimate.guaranteed(0.95));
+    assert!(
+        other.refusals.iter().any(|one| matches!(one, RareRefusal::Contradicted(_))),
+        "nominal runs see a thousand times more: {:?}",
+        other.refusals
+    );
+}
+
+#[test]
+fn nothing_found_is_refused_and_bounded_by_nominal_runs_alone() {
+    let space = space(2);
+    let never = Problem {
+        name: "never",
+        dimensions: 2,
+        probability: 0.0,
+        score: |_| f64::INFINITY,
+        hidden: |_| false,
+    };
+    let mut method = ImportanceSampling::new(space.clone(), 2000, 3);
+    run(&mut method, &never, &space);
+    let estimate = RareEstimate::of(&space, method.replicates(), RareScale::Logarithmic);
+    assert_eq!(estimate.refusals, [RareRefusal::NoHits]);
+    assert_eq!((estimate.value, estimate.upper(0.95)), (0.0, 1.0), "no hit is no proof");
+    assert_eq!(method.plateau(), 1.0, "all runs are equally far");
+}
+
+#[test]
+fn weights_are_finite_however_far_out_a_point_is() {
+    let space = RareSpace::new(vec![RareAxis::Continuous, RareAxis::Categories(vec![1e-12, 0.0, 1.0])]);
+    let (nominal, wide) = (proposal::Component::nominal(&space), proposal::Component::wide(&space));
+    for z in [-37.0, -8.3, 0.0, 8.3, 37.0] {
+        for category in [0, 2] {
+            let place = space::Place { z: vec![z], categories: vec![category] };
+            let log = proposal::log_mixture([(0.1, &nominal), (0.9, &wide)].into_iter(), &place);
+            assert!(log.is_finite() && -log <= libm::log(10.0) + 1e-9, "{z}: {log}");
+            let point = space.point(&place);
+            assert!(point.iter().all(|share| *share > 0.0 && *share < 1.0), "{point:?}");
+            assert_eq!(space.place(&point).categories, [category]);
+        }
+    }
+}
+
+/// Of 40 people three are hit when they come late, and one group of rows is a hundredth of all.
+#[test]
+fn categories_are_found_and_weighed() {
+    let weights = vec![0.5, 0.49, 0.01];
+    let space = RareSpace::new(vec![
+        RareAxis::Categories(vec![1.0; 40]),
+        RareAxis::Continuous,
+        RareAxis::Categories(weights),
+    ]);
+    let truth = tail(2.5) * 0.01 * 3.0 / 40.0;
+    let mut values = Vec::new();
+    for seed in 0..20 {
+        let mut method = ImportanceSampling::new(space.clone(), 8000, seed);
+        while let Some(round) = method.ask() {
+            let outcome = |one: &RarePoint| {
+                let place = space.place(&one.point);
+                let wrong = f64::from(u8::from(place.categories[0] >= 3));
+                let row = f64::from(u8::from(place.categories[1] != 2));
+                let score = (2.5 - place.z[0]).max(0.0) + wrong + row;
+                RareOutcome { event: score <= 0.0, score }
+            };
+            let outcomes: Vec<_> = round.points.iter().map(outcome).collect();
+            method.tell(&outcomes);
+        }
+        values.push(RareEstimate::of(&space, method.replicates(), RareScale::Logarithmic).value);
+    }
+    let mean = crate::summary::mean(&values).unwrap();
+    let error = crate::summary::std(&values).unwrap() / 20.0_f64.sqrt();
+    assert!((mean - truth).abs() < 4.0 * error, "{mean} ± {error}, and it is {truth}");
+    assert!(error < 0.1 * truth, "{mean} ± {error}");
+}
+
+#[test]
+fn crude_runs_have_the_exact_interval() {
+    let space = space(1);
+    let problem = Problem {
+        name: "crude",
+        dimensions: 1,
+        probability: 0.01,
+        score: |z| 2.3263 - z[0],
+        hidden: |_| false,
+    };
+    let mut method = CrudeSampling::new(space.clone(), 10_001, 5);
+    assert_eq!(run(&mut method, &problem, &space), 10_001);
+    let estimate = RareEstimate::of(&space, method.replicates(), RareScale::Exact);
+    let (runs, hits) = estimate.nominal;
+    assert_eq!(runs, 10_001);
+    assert_eq!(estimate.interval(0.95), crate::inference::clopper_pearson(hits, runs, 0.95));
+    assert!(estimate.refusals.is_empty());
+    assert!(estimate.interval(0.999).contains(0.01), "{estimate:?}");
+}

@@ -1,0 +1,174 @@
+//! What an estimate came to: two numbers for the terminal, and drawn.
+
+use std::fmt::Write;
+
+use super::columns::columns;
+use super::wording::verdict_word;
+use results::{EstimateResult, EstimatedRun};
+use scenario::{EstimateMethod, significant};
+
+const STRING: &str = "writing to a string cannot fail";
+
+/// The bound and the estimate side by side, with what speaks against the estimate.
+pub fn render_estimate(result: &EstimateResult) -> String {
+    let mut text = format!(
+        "estimate {}: probability of `{}` in a run of `{}`, by {} of {} runs\n",
+        result.name,
+        result.event,
+        result.scenario,
+        result.method.word(),
+        result.runs
+    );
+    for sentence in sentences(result) {
+        writeln!(text, "  {sentence}").expect(STRING);
+    }
+    if result.clusters.len() > 1 {
+        writeln!(text, "  groups of hits, by their share of the estimate:").expect(STRING);
+        let lines: Vec<_> = result.clusters.iter().map(|one| row(one.share, &one.run)).collect();
+        text += &columns(&lines);
+    }
+    if !result.carrying.is_empty() {
+        writeln!(text, "  the runs that carry the estimate, for `replay`:").expect(STRING);
+        for run in result.carrying.iter().take(3) {
+            writeln!(text, "    {} {}", percent(run.share), run.key).expect(STRING);
+        }
+    }
+    for warning in &result.warnings {
+        writeln!(text, "  warning: {warning}").expect(STRING);
+    }
+    for claim in &result.claims {
+        writeln!(text, "  {}: {} ({})", claim.text, verdict_word(claim.verdict), claim.reason).expect(STRING);
+    }
+    text
+}
+
+/// What there is to know, the two numbers first.
+pub(super) fn sentences(result: &EstimateResult) -> Vec<String> {
+    let level = percent(result.confidence);
+    let EstimateResult { nominal_runs, nominal_hits, .. } = result;
+    let mut sentences = vec![format!(
+        "guaranteed: at most {} at {level}, by {nominal_hits} of {nominal_runs} runs that are drawn as they are",
+        number(result.guaranteed)
+    )];
+    let (low, high) = (number(result.interval.low), number(result.interval.high));
+    let mut value = format!("{} [{low}, {high}] at {level}", number(result.value));
+    if !result.refusals.is_empty() {
+        value = format!("refused ({} would have been it)", number(result.value));
+    }
+    sentences.push(format!("estimate: {value}"));
+    sentences.push(format!("  on the assumption: {}", result.assumption));
+    sentences.extend(result.refusals.iter().map(|why| format!("  refused: {why}")));
+    if result.method == EstimateMethod::Importance {
+        sentences.push(format!(
+            "unseen: a region that no run found may still have up to {} at {level}",
+            number(result.unseen)
+        ));
+        sentences.push(format!(
+            "{} hits worth {} of equal weight, the heaviest {} of all; {} replicates differ by {}",
+            result.hits,
+            significant(result.effective_size, 3),
+            percent(result.largest_share),
+            result.replicates.len(),
+            percent(result.relative_deviation)
+        ));
+    }
+    sentences
+}
+
+/// A probability: with three digits, and with a power of ten where it is small.
+pub(super) fn number(value: f64) -> String {
+    if value > 0.0 && value < 1e-2 { format!("{value:.2e}") } else { significant(value, 3) }
+}
+
+pub(super) fn percent(share: f64) -> String {
+    format!("{} %", significant(100.0 * share, 3))
+}
+
+fn row(share: f64, run: &EstimatedRun) -> Vec<String> {
+    vec![percent(share), values(run)]
+}
+
+/// Such as `tta 9.3s, pace 1.71m/s`.
+pub(super) fn values(run: &EstimatedRun) -> String {
+    let each: Vec<_> = run.drawn.iter().map(|(name, label)| format!("{name} {label}")).collect();
+    each.join(", ")
+}
+
+/// The bound, what may be unseen and the estimate on one logarithmic scale, above the tail of the weights, as SVG.
+pub fn draw_estimate(result: &EstimateResult) -> String {
+    const WIDTH: f64 = 460.0;
+    const LEFT: f64 = 110.0;
+    const ROW: f64 = 34.0;
+    let known = [result.value, result.interval.low, result.interval.high, result.guaranteed, result.unseen];
+    let positive = || known.into_iter().filter(|one| *one > 0.0).map(libm::log10);
+    let low = positive().fold(0.0, f64::min).floor();
+    let high = positive().fold(low, f64::max).ceil().max(low + 1.0);
+    let x = |value: f64| {
+        let place = if value > 0.0 { (libm::log10(value) - low) / (high - low) } else { 0.0 };
+        LEFT + WIDTH * place.clamp(0.0, 1.0)
+    };
+    let (scale, tail_top) = (3.4 * ROW, 4.6 * ROW);
+    let tail = 110.0;
+    let mut svg = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\" font-family=\"sans-serif\" font-size=\"12\">\n\
+         <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
+        LEFT + WIDTH + 40.0,
+        tail_top + tail + 40.0
+    );
+    for decade in low as i32..=high as i32 {
+        let at = LEFT + WIDTH * (f64::from(decade) - low) / (high - low);
+        writeln!(
+            svg,
+            "<path d=\"M{at:.1} 6V{scale:.1}\" stroke=\"#ddd\"/><text x=\"{at:.1}\" y=\"{:.1}\" text-anchor=\"middle\">1e{decade}</text>",
+            scale + 16.0
+        )
+        .expect(STRING);
+    }
+    let mut bar = |row: f64, words: &str, from: f64, to: f64, at: Option<f64>, colour: &str| {
+        let y = ROW * (row + 0.6);
+        writeln!(svg, "<text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">{words}</text>", LEFT - 8.0, y + 4.0)
+            .expect(STRING);
+        writeln!(
+            svg,
+            "<path d=\"M{from:.1} {y:.1}H{to:.1}\" stroke=\"{colour}\" stroke-width=\"8\" stroke-opacity=\"0.5\"/>"
+        )
+        .expect(STRING);
+        if let Some(at) = at {
+            writeln!(svg, "<circle cx=\"{at:.1}\" cy=\"{y:.1}\" r=\"5\" fill=\"{colour}\"/>").expect(STRING);
+        }
+    };
+    bar(0.0, "guaranteed", LEFT, x(result.guaranteed), None, "#1b6ca8");
+    bar(1.0, "may be unseen", LEFT, x(result.unseen), None, "#999999");
+    if result.refusals.is_empty() {
+        let (from, to) = (x(result.interval.low), x(result.interval.high));
+        bar(2.0, "estimate", from, to, Some(x(result.value)), "#d95f02");
+    } else {
+        bar(2.0, "refused", LEFT, LEFT, None, "#d95f02");
+    }
+    let most = result.shares.first().copied().unwrap_or(0.0).max(0.05);
+    let bottom = tail_top + tail;
+    let width = WIDTH / result.shares.len().max(20) as f64;
+    for (index, share) in result.shares.iter().enumerate() {
+        let height = tail * share / most;
+        writeln!(
+            svg,
+            "<rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{height:.2}\" fill=\"#d95f02\"/>",
+            LEFT + width * index as f64,
+            bottom - height,
+            0.8 * width
+        )
+        .expect(STRING);
+    }
+    let limit = bottom - tail * 0.05 / most;
+    writeln!(
+        svg,
+        "<path d=\"M{LEFT} {bottom:.1}h{WIDTH}\" stroke=\"#333\"/><path d=\"M{LEFT} {limit:.1}h{WIDTH}\" stroke=\"#333\" stroke-dasharray=\"4 3\"/>\
+         <text x=\"{}\" y=\"{:.1}\" text-anchor=\"end\">5 %: refused</text>\
+         <text x=\"{LEFT}\" y=\"{:.1}\">weights of the heaviest hits, in the sum of all</text>\n</svg>",
+        LEFT - 8.0,
+        limit + 4.0,
+        bottom + 18.0
+    )
+    .expect(STRING);
+    svg
+}

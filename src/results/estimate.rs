@@ -1,0 +1,135 @@
+//! What an estimate came to: a bound that holds without assumptions, an estimate with its assumption, and what speaks against it.
+
+use serde::{Deserialize, Serialize};
+
+use crate::Verdict;
+use numbers::inference::Interval;
+use scenario::EstimateMethod;
+
+/// How probable an event is: two numbers, side by side.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct EstimateResult {
+    /// As the suite calls it.
+    pub name: String,
+    /// What the suite says of it, in a sentence.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub doc: Option<String>,
+    /// The scenario that it is of.
+    pub scenario: String,
+    /// What the probability is of, such as `pet < 0.5 s`.
+    pub event: String,
+    /// The metric that showed where to look, if one was needed.
+    pub score: Option<String>,
+    /// How runs were made.
+    pub method: EstimateMethod,
+    /// Of the suite.
+    pub seed: u64,
+    /// Runs that were made, those of the pilot among them.
+    pub runs: usize,
+    /// Runs that only showed where to look.
+    pub pilot_runs: usize,
+    /// What each replicate came to: independent of each other, and unbiased.
+    pub replicates: Vec<f64>,
+    /// Their mean: the estimate.
+    pub value: f64,
+    /// Of the interval, the bound and what may be unseen: between 0 and 1.
+    pub confidence: f64,
+    /// Where the probability lies by the estimate, two-sided; it says nothing where the estimate is refused.
+    pub interval: Interval,
+    /// On what the interval rests, in a sentence.
+    pub assumption: String,
+    /// Standard deviation of the replicates, in their mean.
+    pub relative_deviation: f64,
+    /// The probability is at most this, whatever the method did: one-sided, by the nominal runs alone.
+    pub guaranteed: f64,
+    /// A region that no nominal run fell into has at most this probability.
+    pub unseen: f64,
+    /// Runs drawn as they are without a method, of which alone the bound is made.
+    pub nominal_runs: u64,
+    /// How many of them have the event.
+    pub nominal_hits: u64,
+    /// Runs with the event, of those that count.
+    pub hits: usize,
+    /// How many of them ended, or say too little, before that was decided: they count as having it.
+    pub undecided: usize,
+    /// So many hits of equal weight would say as much.
+    pub effective_size: f64,
+    /// The largest weight in the sum of all.
+    pub largest_share: f64,
+    /// How likely chance is to give so many or so few nominal hits if the estimate is right.
+    pub contradiction: f64,
+    /// Why the estimate must not be believed; empty where nothing speaks against it.
+    pub refusals: Vec<String>,
+    /// What to know besides.
+    pub warnings: Vec<String>,
+    /// What the heaviest hits have of the sum of weights, falling: the tail of the weights.
+    pub shares: Vec<f64>,
+    /// Hits that are near each other, the heaviest group first.
+    pub clusters: Vec<EstimatedCluster>,
+    /// The runs that carry the estimate, the heaviest first.
+    pub carrying: Vec<EstimatedRun>,
+    /// What was claimed, in order.
+    pub claims: Vec<EstimatedClaim>,
+}
+
+/// Hits that are near each other in what is drawn.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct EstimatedCluster {
+    /// Of the estimate.
+    pub share: f64,
+    /// The heaviest of them.
+    pub run: EstimatedRun,
+}
+
+/// A run with the event.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct EstimatedRun {
+    /// `replay` takes it.
+    pub key: String,
+    /// Its share of the estimate.
+    pub share: f64,
+    /// What it drew: names with values as they are said.
+    pub drawn: Vec<(String, String)>,
+}
+
+/// What became of a claim.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct EstimatedClaim {
+    /// As it is written.
+    pub text: String,
+    /// Whether the bound that needs no assumption decided.
+    pub guaranteed: bool,
+    /// What it came to.
+    pub verdict: Verdict,
+    /// Why, in a sentence with the number that decided.
+    pub reason: String,
+}
+
+impl EstimateResult {
+    /// Failed where a claim failed; inconclusive where one could not be decided, or where the estimate is refused and nothing else was
+    /// asked for.
+    pub fn verdict(&self) -> Verdict {
+        let any = |verdict: Verdict| self.claims.iter().any(|one| one.verdict == verdict);
+        let only_guarantees = !self.claims.is_empty() && self.claims.iter().all(|one| one.guaranteed);
+        if any(Verdict::Failed) {
+            Verdict::Failed
+        } else if any(Verdict::Inconclusive) || !self.refusals.is_empty() && !only_guarantees {
+            Verdict::Inconclusive
+        } else {
+            Verdict::Passed
+        }
+    }
+
+    /// Why it is not passed; `None` if it is.
+    pub fn failure(&self) -> Option<String> {
+        if self.verdict() == Verdict::Passed {
+            return None;
+        }
+        let open = self.claims.iter().filter(|one| one.verdict != Verdict::Passed);
+        let claims: Vec<String> = open.map(|one| format!("`{}`: {}", one.text, one.reason)).collect();
+        if claims.is_empty() {
+            return Some(format!("the estimate is refused: {}", self.refusals.join("; ")));
+        }
+        Some(claims.join("; "))
+    }
+}

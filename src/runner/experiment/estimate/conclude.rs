@@ -1,0 +1,203 @@
+//! What an estimate comes to, in numbers and words.
+
+use super::seen_run::SeenRun;
+use crate::experiment::context::Context;
+use crate::experiment::error::ExperimentError;
+use crate::plan::Cases;
+use numbers::rare::{
+    CONTRADICTION, LARGEST_DEVIATION, LARGEST_SHARE, LEAST_EFFECTIVE, RareEstimate, RareRefusal,
+    RareSampling, RareScale, RareSpace, WeighedHit,
+};
+use results::{EstimateResult, EstimatedClaim, EstimatedCluster, EstimatedRun, Verdict};
+use scenario::{Estimate, EstimateClaim, EstimateMethod, significant};
+
+/// Of the interval and the bound that are always said.
+const CONFIDENCE: f64 = 0.95;
+/// Weights of the tail that are kept.
+const MOST_SHARES: usize = 100;
+/// Runs that are named.
+const MOST_RUNS: usize = 10;
+/// More runs as far from the event as another, and the score does not slope.
+const MOST_EQUAL: f64 = 0.5;
+
+/// What was told of runs.
+#[derive(Debug, Default)]
+pub struct Told {
+    pub runs: usize,
+    pilot: usize,
+    undecided: usize,
+}
+
+impl Told {
+    pub fn add(&mut self, is_pilot: bool, seen: &[SeenRun]) {
+        self.runs += seen.len();
+        if is_pilot {
+            self.pilot += seen.len();
+        } else {
+            self.undecided += seen.iter().filter(|one| one.undecided).count();
+        }
+    }
+}
+
+pub fn conclude(
+    context: &Context,
+    block: &Estimate,
+    cases: &Cases,
+    space: &RareSpace,
+    method: &dyn RareSampling,
+    scale: RareScale,
+    told: &Told,
+) -> Result<EstimateResult, ExperimentError> {
+    let estimate = context.executor.think(|| RareEstimate::of(space, method.replicates(), scale));
+    let hits: Vec<(&WeighedHit, f64)> = method
+        .replicates()
+        .iter()
+        .flat_map(|one| one.hits.iter().map(|hit| (hit, hit.weight / one.runs as f64)))
+        .collect();
+    let sum: f64 = hits.iter().map(|one| one.1).sum();
+    let run = |index: usize| -> Result<EstimatedRun, ExperimentError> {
+        let (hit, weight) = hits[index];
+        let case = cases.at(hit.chance, &hit.point)?;
+        let drawn = case.drawn.into_iter().map(|one| (one.name, one.label)).collect();
+        Ok(EstimatedRun { key: case.key, share: weight / sum, drawn })
+    };
+    let mut heaviest: Vec<usize> = (0..hits.len()).collect();
+    heaviest.sort_by(|one, other| hits[*other].1.total_cmp(&hits[*one].1).then(one.cmp(other)));
+    let carrying = heaviest.iter().take(MOST_RUNS).map(|index| run(*index)).collect::<Result<Vec<_>, _>>()?;
+    let cluster = |(share, index): &(f64, usize)| Ok(EstimatedCluster { share: *share, run: run(*index)? });
+    let clusters: Vec<EstimatedCluster> =
+        estimate.clusters.iter().take(MOST_RUNS).map(cluster).collect::<Result<_, ExperimentError>>()?;
+    let refusals: Vec<String> = estimate.refusals.iter().map(|one| in_words(one, &estimate)).collect();
+    let claims = block.claims.iter().map(|claim| decide(claim, &estimate, &refusals)).collect();
+    Ok(EstimateResult {
+        name: block.name.clone(),
+        doc: block.doc.clone(),
+        scenario: block.scenario.clone(),
+        event: block.event_text.clone(),
+        score: block.score.as_ref().map(|score| score.label()),
+        method: block.method,
+        seed: context.suite.seed,
+        runs: told.runs,
+        pilot_runs: told.pilot,
+        replicates: method.replicates().iter().map(|one| one.probability).collect(),
+        value: estimate.value,
+        confidence: CONFIDENCE,
+        interval: estimate.interval(CONFIDENCE),
+        assumption: assumption(block.method).to_string(),
+        relative_deviation: estimate.relative_deviation,
+        guaranteed: estimate.guaranteed(CONFIDENCE),
+        unseen: estimate.unseen(CONFIDENCE),
+        nominal_runs: estimate.nominal.0,
+        nominal_hits: estimate.nominal.1,
+        hits: estimate.hits,
+        undecided: told.undecided,
+        effective_size: estimate.effective_size,
+        largest_share: estimate.largest_share,
+        contradiction: estimate.contradiction,
+        refusals,
+        warnings: warnings(block, method, told),
+        shares: heaviest.iter().take(MOST_SHARES).map(|index| hits[*index].1 / sum).collect(),
+        clusters,
+        carrying,
+        claims,
+    })
+}
+
+fn assumption(method: EstimateMethod) -> &'static str {
+    match method {
+        EstimateMethod::Importance => {
+            "the runs reached every region that matters, and the 20 replicates' mean, on a logarithmic scale, behaves as that of a \
+             normal distribution (Student)"
+        }
+        EstimateMethod::Crude => "none: all runs are drawn as they are (Clopper–Pearson)",
+    }
+}
+
+fn percent(share: f64) -> String {
+    format!("{} %", significant(100.0 * share, 3))
+}
+
+fn in_words(refusal: &RareRefusal, estimate: &RareEstimate) -> String {
+    let (runs, hits) = estimate.nominal;
+    match refusal {
+        RareRefusal::NoHits => "no run has the event".to_string(),
+        RareRefusal::FewHits(size) => format!(
+            "its {} hits say as much as {} of equal weight, and it takes {LEAST_EFFECTIVE}",
+            estimate.hits,
+            significant(*size, 3)
+        ),
+        RareRefusal::OneRun(share) => {
+            format!("one run has {} of all weight ({} or more)", percent(*share), percent(LARGEST_SHARE))
+        }
+        RareRefusal::Contradicted(likely) => format!(
+            "{hits} of {runs} runs that are drawn as they are have the event, which an estimate of {} gives by chance with {} \
+             (at most {})",
+            significant(estimate.value, 3),
+            percent(*likely),
+            percent(CONTRADICTION)
+        ),
+        RareRefusal::Spread(deviation) => format!(
+            "its replicates differ by {} of their mean ({} or more)",
+            percent(*deviation),
+            percent(LARGEST_DEVIATION)
+        ),
+        RareRefusal::NewCluster(share) => format!(
+            "the second half found hits away from all of the first, with {} of its weight: there may be more",
+            percent(*share)
+        ),
+    }
+}
+
+fn warnings(block: &Estimate, method: &dyn RareSampling, told: &Told) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let plateau = method.plateau();
+    if let Some(score) = block.score.as_ref().filter(|_| plateau > MOST_EQUAL) {
+        warnings.push(format!(
+            "`{}` is the same in {} of the first runs: it does not slope towards the event, and what nothing leads to is found by luck",
+            score.label(),
+            percent(plateau)
+        ));
+    }
+    if told.undecided > 0 {
+        warnings.push(format!(
+            "{} runs say neither that `{}` nor the opposite, or ended before; they count as if it were so",
+            told.undecided, block.event_text
+        ));
+    }
+    warnings
+}
+
+/// A claim holds where its one-sided bound shows it, is wrong where the bound from the other side shows that, and else open.
+fn decide(claim: &EstimateClaim, estimate: &RareEstimate, refusals: &[String]) -> EstimatedClaim {
+    let level = percent(claim.confidence);
+    let (verdict, reason) = if claim.guaranteed {
+        let upper = estimate.guaranteed(claim.confidence);
+        let (runs, hits) = estimate.nominal;
+        let lower =
+            if runs == 0 { 0.0 } else { numbers::inference::lower_bound(hits, runs, claim.confidence) };
+        let of = format!("{hits} of {runs} runs that are drawn as they are have the event");
+        judged(claim, lower, upper, &format!("{of}; at {level} without assumptions"))
+    } else if refusals.is_empty() {
+        let (lower, upper) = (estimate.lower(claim.confidence), estimate.upper(claim.confidence));
+        let of = format!("the estimate is {}; at {level} by it", significant(estimate.value, 3));
+        judged(claim, lower, upper, &of)
+    } else {
+        (Verdict::Inconclusive, format!("the estimate is refused: {}", refusals.join("; ")))
+    };
+    let EstimateClaim { guaranteed, text, .. } = claim;
+    EstimatedClaim { text: text.clone(), guaranteed: *guaranteed, verdict, reason }
+}
+
+fn judged(claim: &EstimateClaim, lower: f64, upper: f64, of: &str) -> (Verdict, String) {
+    if upper <= claim.at_most {
+        (Verdict::Passed, format!("{of} the probability is at most {}", significant(upper, 3)))
+    } else if lower > claim.at_most {
+        (Verdict::Failed, format!("{of} the probability is at least {}", significant(lower, 3)))
+    } else {
+        let (lower, upper) = (significant(lower, 3), significant(upper, 3));
+        (
+            Verdict::Inconclusive,
+            format!("{of} the probability is at least {lower}, and at most {upper} by as much"),
+        )
+    }
+}

@@ -1,0 +1,70 @@
+//! The journal of an estimate: what became of its runs, so that one that is cut off goes on.
+
+use std::collections::BTreeMap;
+use std::io;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+
+use super::seen_run::SeenRun;
+use files::{Log, LogError, LogFormat};
+
+const FORMAT: LogFormat = LogFormat { name: "scenario-runner journal of an estimate", version: 1 };
+
+/// Runs one after the other.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Entry {
+    /// The number of the first, from 0.
+    first: usize,
+    runs: Vec<SeenRun>,
+}
+
+/// What is known so far, in a file if there is a folder for it.
+pub struct EstimateRecord {
+    known: BTreeMap<usize, Vec<SeenRun>>,
+    log: Option<Log>,
+    pub notice: Option<String>,
+}
+
+impl EstimateRecord {
+    /// `inputs` is everything that decides what becomes of runs; it and the version are part of the file's name.
+    pub fn open(folder: Option<&Path>, name: &str, inputs: &impl Serialize) -> Result<Self, LogError> {
+        let Some(folder) = folder else {
+            return Ok(Self { known: BTreeMap::new(), log: None, notice: None });
+        };
+        let text = serde_json::to_vec(&(inputs, env!("CARGO_PKG_VERSION"))).expect("plain data serialises");
+        let hash: String = Sha256::digest(text).iter().take(8).map(|byte| format!("{byte:02x}")).collect();
+        let path = folder.join(format!("{name}-{hash}.jsonl"));
+        // Its name can be foretold, so somebody's project could have it lead anywhere.
+        if path.is_symlink() {
+            let error = io::Error::other("it is a link, which a journal never is; remove it");
+            return Err(LogError::Io { path, error });
+        }
+        let (log, found) = Log::open(&path, FORMAT, &hash)?;
+        let entries = found.records.iter().filter_map(|record| serde_json::from_str::<Entry>(record).ok());
+        let known = entries.map(|entry| (entry.first, entry.runs)).collect();
+        Ok(Self { known, log: Some(log), notice: found.notice })
+    }
+
+    /// The runs from that number on, if so many are known; others are made again.
+    pub fn known(&self, first: usize, count: usize) -> Option<&Vec<SeenRun>> {
+        self.known.get(&first).filter(|runs| runs.len() == count)
+    }
+
+    pub fn add(&mut self, first: usize, runs: Vec<SeenRun>) -> Result<(), LogError> {
+        match &mut self.log {
+            Some(log) => log.append(&Entry { first, runs }),
+            None => Ok(()),
+        }
+    }
+
+    /// The result is in the caller's hands.
+    pub fn remove(self) {
+        if let Some(log) = self.log {
+            // Left behind, it costs only space.
+            let _ = log.remove();
+        }
+    }
+}

@@ -1,0 +1,85 @@
+//! What `estimate` blocks declare: an event whose probability is to be known.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Comparison, MetricReference, Origin};
+use numbers::inference::runs_needed;
+use numbers::rare::{CrudeSampling, ImportanceSampling};
+
+/// Fewer runs are not enough for replicates that say anything.
+pub const FEWEST_ESTIMATE_RUNS: u32 = numbers::rare::FEWEST_RUNS as u32;
+
+/// How probable an event is in a scenario that draws.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Estimate {
+    /// As the suite calls it.
+    pub name: String,
+    /// What the suite says of it, in a sentence.
+    pub doc: Option<String>,
+    /// The scenario, which draws something in every run and varies nothing.
+    pub scenario: String,
+    /// What the probability is of. A run of which it cannot be said counts as one with the event.
+    pub event: Comparison,
+    /// In canonical words, such as `pet < 0.5 s`.
+    pub event_text: String,
+    /// What gets worse the nearer a run is to the event; runs as they are drawn need none.
+    pub score: Option<MetricReference>,
+    /// Runs in all.
+    pub budget: u32,
+    /// How they are made.
+    pub method: EstimateMethod,
+    /// What the probability is at most.
+    pub claims: Vec<EstimateClaim>,
+    /// Where it is declared.
+    pub origin: Origin,
+}
+
+/// How the runs of an estimate are made.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum EstimateMethod {
+    /// Where the event is likely, weighed by multiple importance sampling.
+    Importance,
+    /// As they are drawn.
+    Crude,
+}
+
+/// What a probability is at most.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct EstimateClaim {
+    /// Whether the bound that needs no assumption decides, and not the estimate.
+    pub guaranteed: bool,
+    /// The largest probability with which it holds.
+    pub at_most: f64,
+    /// One-sided, between 1/2 and 1.
+    pub confidence: f64,
+    /// As it is written.
+    pub text: String,
+    /// Where it stands.
+    pub origin: Origin,
+}
+
+impl EstimateMethod {
+    /// As it is written.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Importance => "importance",
+            Self::Crude => "crude",
+        }
+    }
+
+    /// How many of so many runs are drawn as they are without a method.
+    pub fn nominal_runs(self, budget: usize) -> usize {
+        match self {
+            Self::Importance => ImportanceSampling::nominal_runs_of(budget),
+            Self::Crude => CrudeSampling::nominal_runs_of(budget),
+        }
+    }
+}
+
+impl EstimateClaim {
+    /// Runs drawn as they are that a guarantee takes at least, all of them without the event; `None` where no number suffices.
+    pub fn runs_needed(&self) -> Option<u64> {
+        runs_needed(1.0 - self.at_most, self.confidence).filter(|_| self.at_most > 0.0)
+    }
+}
