@@ -199,6 +199,7 @@ fn suite() -> Suite {
         tunes: vec![tune],
         evaluates: Vec::new(),
         calibrates: Vec::new(),
+        estimates: Vec::new(),
         statements: Vec::new(),
         gates: Vec::new(),
         ratings: Vec::new(),
