@@ -203,7 +203,7 @@ fn what_cannot_be_estimated_is_said_before_any_run() {
     );
     said(
         &with(&format!("{BLOCK}; claim guaranteed <= 1e-5")),
-        &["BudgetTooSmall", "299,572 runs for 0.00001 at 95 %", "the budget has 300"],
+        &["BudgetTooSmall", "299,572 runs for 1e-5 at 95 %", "the budget has 300"],
     );
     said(&with("event collision; budget 1000 runs, by crude; claim <= 1e-4"), &["BudgetTooSmall", "29,956"]);
     said(&with(&format!("{BLOCK}; claim >= 1e-5")), &["BadEstimate", "at most"]);

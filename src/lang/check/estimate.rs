@@ -256,17 +256,22 @@ fn suffices(
             node.span(),
             format!(
                 "this needs at least {needed} runs for {} at {level} %, and the budget has {} that are drawn as they are",
-                scenario::significant(claim.at_most, 6),
+                number(claim.at_most),
                 grouped(nominal)
             ),
         )
         .label("cannot be shown, whatever comes of the runs")
         .hint(format!(
             "raise the budget, or let the estimate decide: `claim <= {}`{how}",
-            scenario::significant(claim.at_most, 6)
+            number(claim.at_most)
         )),
     );
     false
+}
+
+/// A probability, with a power of ten where it is small.
+fn number(probability: f64) -> String {
+    if probability < 1e-3 { format!("{probability:e}") } else { scenario::significant(probability, 6) }
 }
 
 /// With commas between thousands.

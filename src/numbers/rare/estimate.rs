@@ -1,7 +1,7 @@
 //! What weighed runs say of a probability: a bound that holds without assumptions, and an estimate that has to be refused where its
 //! own runs speak against it.
 
-use super::space::{Place, RareSpace};
+use super::space::{RarePlace, RareSpace};
 use crate::distributions::{binomial_at_least, binomial_at_most, student_quantile};
 use crate::inference::{Interval, upper_bound};
 
@@ -17,7 +17,7 @@ pub struct WeighedHit {
     /// In runs of its replicate: those of weight 1 are drawn as without a method.
     pub weight: f64,
     /// In which coordinates it is near others.
-    pub(super) place: Place,
+    pub(super) place: RarePlace,
 }
 
 /// What one replicate came to: independent of the others, and unbiased.
@@ -283,8 +283,8 @@ impl Clusters {
 }
 
 /// Some of the hits, of which one is within a half of [`RareSpace::apart`] from every other.
-fn cover<'a>(space: &RareSpace, hits: impl Iterator<Item = &'a WeighedHit>) -> Vec<Place> {
-    let mut cover: Vec<Place> = Vec::new();
+fn cover<'a>(space: &RareSpace, hits: impl Iterator<Item = &'a WeighedHit>) -> Vec<RarePlace> {
+    let mut cover: Vec<RarePlace> = Vec::new();
     for hit in hits {
         if cover.len() < MOST_COVERED
             && !cover.iter().any(|known| space.distance(known, &hit.place) <= 0.5 * space.apart())
@@ -299,7 +299,7 @@ fn cover<'a>(space: &RareSpace, hits: impl Iterator<Item = &'a WeighedHit>) -> V
 const MOST_COVERED: usize = 2000;
 
 /// Places that a chain of others joins are of one group: the group of each, and how many there are.
-fn joined(space: &RareSpace, places: &[Place]) -> (Vec<usize>, usize) {
+fn joined(space: &RareSpace, places: &[RarePlace]) -> (Vec<usize>, usize) {
     let mut group = vec![usize::MAX; places.len()];
     let mut count = 0;
     for first in 0..places.len() {

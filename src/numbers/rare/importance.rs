@@ -9,7 +9,7 @@ use super::estimate::{ReplicateRuns, WeighedHit};
 use super::pilot::Pilot;
 use super::proposal::{Component, log_mixture};
 use super::sampling::{RareOutcome, RarePoint, RareRound, RareSampling, plateau};
-use super::space::{Place, RareSpace};
+use super::space::{RarePlace, RareSpace};
 use crate::random::{Stream, derive_seed};
 
 /// One of so many runs is drawn as it is drawn without a method, and as many farther out in all directions.
@@ -29,7 +29,7 @@ pub struct ImportanceSampling {
     /// What is drawn from, the first as without a method, and how many runs of a replicate are of each.
     components: Vec<(usize, Component)>,
     /// Of the replicate that is asked for.
-    asked: Vec<(usize, Place)>,
+    asked: Vec<(usize, RarePlace)>,
     /// Runs that were asked for.
     done: usize,
     plateau: f64,
@@ -117,7 +117,7 @@ impl RareSampling for ImportanceSampling {
             asked.extend((0..*runs).map(|_| (index, component.draw(&mut stream))));
         }
         self.asked = asked;
-        let point = |(chance, (_, place)): (usize, &(usize, Place))| RarePoint {
+        let point = |(chance, (_, place)): (usize, &(usize, RarePlace))| RarePoint {
             chance,
             point: self.space.point(place),
         };

@@ -8,7 +8,7 @@
 
 use super::proposal::{Component, diagonal, log_mixture, log_sum};
 use super::sampling::RareOutcome;
-use super::space::{Place, RareSpace};
+use super::space::{RarePlace, RareSpace};
 use crate::design::sobol_point;
 use crate::random::Stream;
 
@@ -30,7 +30,7 @@ pub struct Pilot {
     sizes: Vec<usize>,
     batch: usize,
     starts: Vec<Component>,
-    asked: Vec<Place>,
+    asked: Vec<RarePlace>,
     seen: Vec<Seen>,
     /// What batches were drawn from, each with its share of all runs of the pilot that there are so far, times their number.
     drawn: Vec<(f64, Component)>,
@@ -38,7 +38,7 @@ pub struct Pilot {
 
 #[derive(Debug)]
 struct Seen {
-    place: Place,
+    place: RarePlace,
     outcome: RareOutcome,
     /// ln of the sum over what batches were drawn from of their runs times their density, over that which is drawn from.
     log_density: f64,
@@ -63,14 +63,14 @@ impl Pilot {
     }
 
     /// The next batch; `None` after the last.
-    pub fn ask(&mut self) -> Option<Vec<Place>> {
+    pub fn ask(&mut self) -> Option<Vec<RarePlace>> {
         let size = *self.sizes.get(self.batch)?;
         self.asked = if self.batch == 0 { self.sobol(size) } else { self.around_starts(size) };
         Some(self.asked.clone())
     }
 
     /// Evenly over everything that can be drawn.
-    fn sobol(&mut self, size: usize) -> Vec<Place> {
+    fn sobol(&mut self, size: usize) -> Vec<RarePlace> {
         self.drawn.push((size as f64, Component::nominal(&self.space)));
         let scramble = self.seed as u32 ^ (self.seed >> 32) as u32;
         // In the middle of its cell, so that none is at the edge.
@@ -83,7 +83,7 @@ impl Pilot {
     }
 
     /// Of every start the same number.
-    fn around_starts(&mut self, size: usize) -> Vec<Place> {
+    fn around_starts(&mut self, size: usize) -> Vec<RarePlace> {
         let mut stream = Stream::numbered(self.seed, self.batch as u64);
         let count = self.starts.len();
         let mut places = Vec::with_capacity(size);
@@ -174,7 +174,7 @@ impl Pilot {
     }
 
     /// The start under whose density a place is likeliest.
-    fn owner(&self, place: &Place) -> usize {
+    fn owner(&self, place: &RarePlace) -> usize {
         let ratios = self.starts.iter().map(|start| start.log_ratio(place));
         ratios.enumerate().max_by(|one, other| one.1.total_cmp(&other.1)).map_or(0, |(index, _)| index)
     }
@@ -187,7 +187,7 @@ impl Pilot {
         let weights: Vec<f64> = logs.iter().map(|log| libm::exp(log - sum)).collect();
         let effective = 1.0 / weights.iter().map(|weight| weight * weight).sum::<f64>();
         let dimensions = self.space.continuous();
-        let weighed = |of: &dyn Fn(&Place) -> f64| {
+        let weighed = |of: &dyn Fn(&RarePlace) -> f64| {
             own.iter().zip(&weights).map(|(one, weight)| weight * of(&one.place)).sum::<f64>()
         };
         let mean: Vec<f64> = (0..dimensions).map(|axis| weighed(&|place| place.z[axis])).collect();

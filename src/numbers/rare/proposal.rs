@@ -1,6 +1,6 @@
 //! Densities that points are proposed by: normal in the continuous coordinates, shares of the categories, and mixtures of such.
 
-use super::space::{Place, RareSpace, category};
+use super::space::{RarePlace, RareSpace, category};
 use crate::random::Stream;
 
 /// A density beside the one that is drawn from.
@@ -54,18 +54,18 @@ impl Component {
         Self::new(space, vec![0.0; dimensions], &covariance, categories).expect("a positive covariance")
     }
 
-    pub fn draw(&self, stream: &mut Stream) -> Place {
+    pub fn draw(&self, stream: &mut Stream) -> RarePlace {
         let deviates: Vec<f64> = self.mean.iter().map(|_| stream.normal()).collect();
         let coordinate = |(mean, row): (&f64, &Vec<f64>)| {
             mean + row.iter().zip(&deviates).map(|(factor, deviate)| factor * deviate).sum::<f64>()
         };
         let z = self.mean.iter().zip(&self.factor).map(coordinate).collect();
         let categories = self.categories.iter().map(|shares| category(shares, stream.uniform())).collect();
-        Place { z, categories }
+        RarePlace { z, categories }
     }
 
     /// ln of the density here over the one that is drawn from.
-    pub fn log_ratio(&self, place: &Place) -> f64 {
+    pub fn log_ratio(&self, place: &RarePlace) -> f64 {
         let mut log = 0.5 * place.z.iter().map(|z| z * z).sum::<f64>()
             - 0.5 * self.squared_distance(&place.z)
             - self.log_determinant;
@@ -94,7 +94,7 @@ const WIDTH: f64 = 2.0;
 /// With parts that are the shares of runs drawn from each component, one less that is what a run weighs by the balance heuristic.
 ///
 /// Source: E. Veach & L. Guibas, SIGGRAPH 1995; A. Owen & Y. Zhou, J. Am. Stat. Assoc. 95, 2000.
-pub fn log_mixture<'a>(parts: impl Iterator<Item = (f64, &'a Component)>, place: &Place) -> f64 {
+pub fn log_mixture<'a>(parts: impl Iterator<Item = (f64, &'a Component)>, place: &RarePlace) -> f64 {
     let logs = parts
         .filter(|(part, _)| *part > 0.0)
         .map(|(part, component)| libm::log(part) + component.log_ratio(place));

@@ -21,7 +21,7 @@ pub struct RareSpace {
 
 /// A point in the coordinates that densities are of.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Place {
+pub struct RarePlace {
     /// Standard normal under the distribution that is drawn from, in the order of the continuous axes.
     pub z: Vec<f64>,
     /// In the order of the other axes.
@@ -58,8 +58,8 @@ impl RareSpace {
     }
 
     /// Where a point with these coordinates, each above 0 and below 1, lies.
-    pub(super) fn place(&self, point: &[f64]) -> Place {
-        let mut place = Place { z: Vec::new(), categories: Vec::new() };
+    pub(super) fn place(&self, point: &[f64]) -> RarePlace {
+        let mut place = RarePlace { z: Vec::new(), categories: Vec::new() };
         for (axis, share) in self.axes.iter().zip(point) {
             match axis {
                 RareAxis::Continuous => place.z.push(normal::quantile(*share)),
@@ -73,7 +73,7 @@ impl RareSpace {
     }
 
     /// Its coordinates; those of categories are in the middle of their part.
-    pub(super) fn point(&self, place: &Place) -> Vec<f64> {
+    pub(super) fn point(&self, place: &RarePlace) -> Vec<f64> {
         let (mut z, mut categories) = (place.z.iter(), place.categories.iter().zip(&self.shares));
         let coordinate = |axis: &RareAxis| match axis {
             RareAxis::Continuous => within(normal::cumulative(*z.next().expect("of that axis"))),
@@ -92,7 +92,7 @@ impl RareSpace {
     }
 
     /// How far two places are from each other; those of other categories are as far as [`Self::apart`] where there are few of them.
-    pub(super) fn distance(&self, one: &Place, other: &Place) -> f64 {
+    pub(super) fn distance(&self, one: &RarePlace, other: &RarePlace) -> f64 {
         let squares: f64 = one.z.iter().zip(&other.z).map(|(a, b)| (a - b) * (a - b)).sum();
         let differ = |((a, b), shares): ((&usize, &usize), &Vec<f64>)| a != b && shares.len() <= FEW;
         let differ =

@@ -179,7 +179,7 @@ fn weights_are_finite_however_far_out_a_point_is() {
     let (nominal, wide) = (proposal::Component::nominal(&space), proposal::Component::wide(&space));
     for z in [-37.0, -8.3, 0.0, 8.3, 37.0] {
         for category in [0, 2] {
-            let place = space::Place { z: vec![z], categories: vec![category] };
+            let place = space::RarePlace { z: vec![z], categories: vec![category] };
             let log = proposal::log_mixture([(0.1, &nominal), (0.9, &wide)].into_iter(), &place);
             assert!(log.is_finite() && -log <= libm::log(10.0) + 1e-9, "{z}: {log}");
             let point = space.point(&place);

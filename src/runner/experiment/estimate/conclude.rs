@@ -1,6 +1,6 @@
 //! What an estimate comes to, in numbers and words.
 
-use super::seen_run::SeenRun;
+use super::scored_run::ScoredRun;
 use crate::experiment::context::Context;
 use crate::experiment::error::ExperimentError;
 use crate::plan::Cases;
@@ -17,6 +17,8 @@ const CONFIDENCE: f64 = 0.95;
 const MOST_SHARES: usize = 100;
 /// Runs that are named.
 const MOST_RUNS: usize = 10;
+/// Less of the estimate is no group of hits.
+const LEAST_CLUSTER: f64 = 1e-4;
 /// More runs as far from the event as another, and the score does not slope.
 const MOST_EQUAL: f64 = 0.5;
 
@@ -29,7 +31,7 @@ pub struct Told {
 }
 
 impl Told {
-    pub fn add(&mut self, is_pilot: bool, seen: &[SeenRun]) {
+    pub fn add(&mut self, is_pilot: bool, seen: &[ScoredRun]) {
         self.runs += seen.len();
         if is_pilot {
             self.pilot += seen.len();
@@ -64,9 +66,10 @@ pub fn conclude(
     let mut heaviest: Vec<usize> = (0..hits.len()).collect();
     heaviest.sort_by(|one, other| hits[*other].1.total_cmp(&hits[*one].1).then(one.cmp(other)));
     let carrying = heaviest.iter().take(MOST_RUNS).map(|index| run(*index)).collect::<Result<Vec<_>, _>>()?;
+    let seen = estimate.clusters.iter().filter(|one| one.0 >= LEAST_CLUSTER);
     let cluster = |(share, index): &(f64, usize)| Ok(EstimatedCluster { share: *share, run: run(*index)? });
     let clusters: Vec<EstimatedCluster> =
-        estimate.clusters.iter().take(MOST_RUNS).map(cluster).collect::<Result<_, ExperimentError>>()?;
+        seen.take(MOST_RUNS).map(cluster).collect::<Result<_, ExperimentError>>()?;
     let refusals: Vec<String> = estimate.refusals.iter().map(|one| in_words(one, &estimate)).collect();
     let claims = block.claims.iter().map(|claim| decide(claim, &estimate, &refusals)).collect();
     Ok(EstimateResult {
@@ -113,6 +116,11 @@ fn assumption(method: EstimateMethod) -> &'static str {
     }
 }
 
+/// A probability: with three digits, and with a power of ten where it is small.
+fn number(value: f64) -> String {
+    if value > 0.0 && value < 1e-2 { format!("{value:.2e}") } else { significant(value, 3) }
+}
+
 fn percent(share: f64) -> String {
     format!("{} %", significant(100.0 * share, 3))
 }
@@ -132,7 +140,7 @@ fn in_words(refusal: &RareRefusal, estimate: &RareEstimate) -> String {
         RareRefusal::Contradicted(likely) => format!(
             "{hits} of {runs} runs that are drawn as they are have the event, which an estimate of {} gives by chance with {} \
              (at most {})",
-            significant(estimate.value, 3),
+            number(estimate.value),
             percent(*likely),
             percent(CONTRADICTION)
         ),
@@ -179,7 +187,7 @@ fn decide(claim: &EstimateClaim, estimate: &RareEstimate, refusals: &[String]) -
         judged(claim, lower, upper, &format!("{of}; at {level} without assumptions"))
     } else if refusals.is_empty() {
         let (lower, upper) = (estimate.lower(claim.confidence), estimate.upper(claim.confidence));
-        let of = format!("the estimate is {}; at {level} by it", significant(estimate.value, 3));
+        let of = format!("the estimate is {}; at {level} by it", number(estimate.value));
         judged(claim, lower, upper, &of)
     } else {
         (Verdict::Inconclusive, format!("the estimate is refused: {}", refusals.join("; ")))
@@ -190,11 +198,11 @@ fn decide(claim: &EstimateClaim, estimate: &RareEstimate, refusals: &[String]) -
 
 fn judged(claim: &EstimateClaim, lower: f64, upper: f64, of: &str) -> (Verdict, String) {
     if upper <= claim.at_most {
-        (Verdict::Passed, format!("{of} the probability is at most {}", significant(upper, 3)))
+        (Verdict::Passed, format!("{of} the probability is at most {}", number(upper)))
     } else if lower > claim.at_most {
-        (Verdict::Failed, format!("{of} the probability is at least {}", significant(lower, 3)))
+        (Verdict::Failed, format!("{of} the probability is at least {}", number(lower)))
     } else {
-        let (lower, upper) = (significant(lower, 3), significant(upper, 3));
+        let (lower, upper) = (number(lower), number(upper));
         (
             Verdict::Inconclusive,
             format!("{of} the probability is at least {lower}, and at most {upper} by as much"),

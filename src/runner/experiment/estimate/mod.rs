@@ -5,7 +5,7 @@
 
 mod conclude;
 mod record;
-mod seen_run;
+mod scored_run;
 
 use super::context::{BlockProgress, Context};
 use super::error::ExperimentError;
@@ -22,7 +22,7 @@ use record::EstimateRecord;
 use results::judge::Seen;
 use results::{EstimateResult, Outcome, Requests};
 use scenario::{Case, Estimate, EstimateMethod, Scenario, Worst};
-use seen_run::SeenRun;
+use scored_run::ScoredRun;
 
 /// Runs that are made, kept and told together.
 const TOGETHER: usize = 2000;
@@ -79,7 +79,7 @@ pub fn run_estimate(
     let all = method.budget();
     let mut told = Told::default();
     while let Some(round) = context.executor.think(|| method.ask()) {
-        let mut seen: Vec<SeenRun> = Vec::with_capacity(round.points.len());
+        let mut seen: Vec<ScoredRun> = Vec::with_capacity(round.points.len());
         for points in round.points.chunks(TOGETHER) {
             let first = told.runs + seen.len();
             let known = record.known(first, points.len()).cloned();
@@ -103,7 +103,7 @@ pub fn run_estimate(
             }
         }
         told.add(round.is_pilot, &seen);
-        let outcomes: Vec<RareOutcome> = seen.into_iter().map(SeenRun::outcome).collect();
+        let outcomes: Vec<RareOutcome> = seen.into_iter().map(ScoredRun::outcome).collect();
         context.executor.think(|| method.tell(&outcomes));
     }
     let result = conclude(context, block, &cases, &space, method.as_ref(), scale, &told)?;
@@ -145,7 +145,7 @@ struct Runs<'a> {
 
 impl Runs<'_> {
     /// `first` is the number of the first.
-    fn make(&self, first: usize, points: &[RarePoint]) -> Result<Vec<SeenRun>, ExperimentError> {
+    fn make(&self, first: usize, points: &[RarePoint]) -> Result<Vec<ScoredRun>, ExperimentError> {
         let plan = |one: &RarePoint| self.cases.at_drawn(one.chance, &one.point);
         let planned = self
             .context
@@ -157,12 +157,12 @@ impl Runs<'_> {
         let seen = |case: &Option<Case>| match case {
             Some(_) => self.seen(&outcomes.next().expect("one for every case")),
             // Nobody draws it: it is no part of what the probability is of.
-            None => SeenRun { event: false, undecided: false, score: None },
+            None => ScoredRun { event: false, undecided: false, score: None },
         };
         Ok(planned.iter().map(seen).collect())
     }
 
-    fn seen(&self, outcome: &Outcome) -> SeenRun {
+    fn seen(&self, outcome: &Outcome) -> ScoredRun {
         let requests = &self.measured.requests;
         let of = |metric| requests.index(metric).map(|index| Seen::of(outcome, index));
         let event = of(&self.block.event.metric).expect("it is measured");
@@ -173,6 +173,6 @@ impl Runs<'_> {
             let worst = score.known().map(|metric| metric.worst);
             Some(if worst == Some(Worst::Largest) { -value } else { value })
         });
-        SeenRun { event: may, undecided: may && !must, score }
+        ScoredRun { event: may, undecided: may && !must, score }
     }
 }

@@ -7,7 +7,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use super::seen_run::SeenRun;
+use super::scored_run::ScoredRun;
 use files::{Log, LogError, LogFormat};
 
 const FORMAT: LogFormat = LogFormat { name: "scenario-runner journal of an estimate", version: 1 };
@@ -18,12 +18,12 @@ const FORMAT: LogFormat = LogFormat { name: "scenario-runner journal of an estim
 struct Entry {
     /// The number of the first, from 0.
     first: usize,
-    runs: Vec<SeenRun>,
+    runs: Vec<ScoredRun>,
 }
 
 /// What is known so far, in a file if there is a folder for it.
 pub struct EstimateRecord {
-    known: BTreeMap<usize, Vec<SeenRun>>,
+    known: BTreeMap<usize, Vec<ScoredRun>>,
     log: Option<Log>,
     pub notice: Option<String>,
 }
@@ -49,11 +49,11 @@ impl EstimateRecord {
     }
 
     /// The runs from that number on, if so many are known; others are made again.
-    pub fn known(&self, first: usize, count: usize) -> Option<&Vec<SeenRun>> {
+    pub fn known(&self, first: usize, count: usize) -> Option<&Vec<ScoredRun>> {
         self.known.get(&first).filter(|runs| runs.len() == count)
     }
 
-    pub fn add(&mut self, first: usize, runs: Vec<SeenRun>) -> Result<(), LogError> {
+    pub fn add(&mut self, first: usize, runs: Vec<ScoredRun>) -> Result<(), LogError> {
         match &mut self.log {
             Some(log) => log.append(&Entry { first, runs }),
             None => Ok(()),

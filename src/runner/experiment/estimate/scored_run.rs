@@ -6,7 +6,7 @@ use numbers::rare::RareOutcome;
 
 /// What became of a run, as the journal keeps it.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub struct SeenRun {
+pub struct ScoredRun {
     /// Whether it has the event, or may have.
     pub event: bool,
     /// Whether it may have, and may not.
@@ -15,7 +15,7 @@ pub struct SeenRun {
     pub score: Option<f64>,
 }
 
-impl SeenRun {
+impl ScoredRun {
     pub fn outcome(self) -> RareOutcome {
         RareOutcome { event: self.event, score: self.score.unwrap_or(f64::INFINITY) }
     }
