@@ -149,7 +149,7 @@ fn a_bend_matters_and_a_hedge_inside_it_hides_who_walks_round_it() {
         let text = on_a_circle(70.0, "walks against traffic", "")
             .replace(
                 "controller constant_speed; speed 8 m/s",
-                "controller careful_human; speed 12 m/s; sees { range: 150 m }",
+                "controller careful_human; speed 20 m/s; sees { range: 150 m }",
             )
             .replace("crossing unmarked { at: 70 m }", &format!("crossing unmarked {{ at: 70 m }}; {hedge}"))
             .replace("along 20 m", "along 40 m")
