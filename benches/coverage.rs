@@ -39,16 +39,6 @@ fn intervals(runs: usize) {
                 .filter(|interval| interval.low.is_finite() || interval.high.is_finite())
         });
     }
-    for (name, truth, draw) in DISTRIBUTIONS {
-        // Five trials whose means are 0, 2, … 8 above that of the distribution.
-        row("the same, five trials", name, runs, *truth, *draw, |values, seed| {
-            let trials = values.chunks(values.len() / 5).enumerate();
-            let shifted =
-                |(trial, own): (usize, &[f64])| own.iter().map(|one| 2.0 * trial as f64 + one).collect();
-            let found = MeanChange::stratified(trials.map(shifted).collect(), seed)?.interval(CONFIDENCE);
-            Some(Interval { low: found.low - 4.0, high: found.high - 4.0 })
-        });
-    }
     row("paired difference", "of exponentials", runs, 0.0, of_exponentials, |values, seed| {
         Some(MeanChange::new(values.to_vec(), seed)?.interval(CONFIDENCE))
     });

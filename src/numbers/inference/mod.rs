@@ -10,7 +10,6 @@ mod quantile;
 mod sequential;
 mod share;
 mod smoothed_shares;
-mod strata;
 mod trinomial;
 
 pub use bounded_mean::{IndependentUnit, MeanWatch, mean_of_bounded, runs_for_mean};

@@ -41,7 +41,7 @@ pub fn measure(question: &Question, family: usize, seed: u64) -> Check {
         certain,
         outcome: CheckOutcome::NotShown,
         runs: compared(question),
-        units: differences.units(),
+        units: differences.worse.len(),
         base: differences.base,
         candidate: differences.candidate,
         interval: None,
@@ -89,13 +89,13 @@ impl Check {
     fn compare(&mut self, differences: &Differences, widest: Option<f64>, level: f64, seed: u64) {
         let worse = match differences.one_sided {
             Some((only_base, only_candidate)) => {
-                let pairs = differences.units() as u64;
+                let pairs = differences.worse.len() as u64;
                 self.p_value = Some(rate_rise(only_base, only_candidate, pairs, self.tolerance));
                 self.power = power::of_rate(pairs, self.tolerance, level);
                 rate_change(only_base, only_candidate, pairs, self.confidence)
             }
             None => {
-                let change = MeanChange::stratified(differences.worse.clone(), seed);
+                let change = MeanChange::new(differences.worse.clone(), seed);
                 let change = change.expect("a question has a pair to compare").limited(widest);
                 let beyond = change.above(self.tolerance, level);
                 // What chance alone explains is no regression, whatever an approximate interval says.

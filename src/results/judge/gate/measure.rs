@@ -7,8 +7,8 @@ use numbers::summary::mean;
 /// The numbers behind a comparison.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Differences {
-    /// One per pair of runs or, where there are several people, per person: those of each trial by themselves, or of all people together.
-    pub worse: Vec<Vec<f64>>,
+    /// One per pair of runs or, where there are several people, per person.
+    pub worse: Vec<f64>,
     /// Means over what is compared; events as shares.
     pub base: f64,
     pub candidate: f64,
@@ -37,35 +37,25 @@ pub fn sign(about: About) -> f64 {
 
 pub fn differences(question: &Question) -> Differences {
     let numbers = |side: Side, pair: &RunPair| number(question.about, side(pair));
-    type Row = (Option<f64>, Option<f64>);
-    let strata: Vec<Vec<Row>> = if question.by_people {
+    let rows: Vec<(Option<f64>, Option<f64>)> = if question.by_people {
         let people = question.pairs.iter().map(|pair| pair.person).max().map_or(0, |last| last + 1);
         let of_person = |side: Side, person: usize| {
             let runs = question.pairs.iter().filter(|pair| pair.person == person);
             let values: Vec<f64> = runs.filter_map(|pair| numbers(side, pair)).collect();
             mean(&values)
         };
-        vec![(0..people).map(|person| (of_person(BASE, person), of_person(CANDIDATE, person))).collect()]
+        (0..people).map(|person| (of_person(BASE, person), of_person(CANDIDATE, person))).collect()
     } else {
-        // Which trials there are is no matter of chance.
-        let trials = question.pairs.chunk_by(|one, next| one.trial == next.trial);
-        let row = |pair: &RunPair| (numbers(BASE, pair), numbers(CANDIDATE, pair));
-        trials.map(|trial| trial.iter().map(row).collect()).collect()
+        question.pairs.iter().map(|pair| (numbers(BASE, pair), numbers(CANDIDATE, pair))).collect()
     };
-    let of_both = |rows: Vec<Row>| -> Vec<(f64, f64)> {
-        rows.into_iter().filter_map(|(base, candidate)| base.zip(candidate)).collect()
-    };
-    let strata: Vec<Vec<(f64, f64)>> = strata.into_iter().map(of_both).collect();
-    let both: Vec<(f64, f64)> = strata.concat();
+    let both: Vec<(f64, f64)> =
+        rows.into_iter().filter_map(|(base, candidate)| base.zip(candidate)).collect();
     let count = both.len() as f64;
     let sign = sign(question.about);
-    let worse_of = |stratum: &Vec<(f64, f64)>| -> Vec<f64> {
-        stratum.iter().map(|(base, candidate)| sign * difference(*base, *candidate)).collect()
-    };
-    let worse: Vec<Vec<f64>> = strata.iter().map(worse_of).collect();
+    let worse: Vec<f64> = both.iter().map(|(base, candidate)| sign * difference(*base, *candidate)).collect();
     let is_event = !matches!(question.about, About::Mean(_));
     let one_sided = (is_event && !question.by_people).then(|| {
-        let many = |wanted: f64| worse.iter().flatten().filter(|one| **one == wanted).count() as u64;
+        let many = |wanted: f64| worse.iter().filter(|one| **one == wanted).count() as u64;
         (many(-1.0), many(1.0))
     });
     Differences {
@@ -73,13 +63,6 @@ pub fn differences(question: &Question) -> Differences {
         candidate: both.iter().map(|pair| pair.1).sum::<f64>() / count,
         worse,
         one_sided,
-    }
-}
-
-impl Differences {
-    /// How many independent units there are.
-    pub fn units(&self) -> usize {
-        self.worse.iter().map(Vec::len).sum()
     }
 }
 
