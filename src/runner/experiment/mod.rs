@@ -18,7 +18,6 @@ mod journal;
 mod needs;
 mod overrides;
 mod parameters;
-mod plausible;
 mod rehearsal;
 mod rounds;
 mod runs;
