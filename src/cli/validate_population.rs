@@ -38,7 +38,7 @@ impl SomeMembers {
         let drawn: Vec<_> = drawn.collect();
         let place = |name: &String, settings: &scenario::Settings| {
             let value = settings.number(name);
-            if value > 0.0 { value.ln() } else { value }
+            if value > 0.0 { libm::log(value) } else { value }
         };
         Ok(Self {
             variant: known.variant.as_deref().map_or(Ok(Variant::STANDARD), str::parse)?,
@@ -159,7 +159,7 @@ pub fn laboratories(
     let done = AtomicUsize::new(0);
     let found = study.run(|| {
         let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-        if done % 100 == 0 {
+        if done.is_multiple_of(100) {
             writeln!(stderr(), "{done} of {} candidates", people.len());
         }
     });
