@@ -8,6 +8,7 @@ use numbers::distributions::normal;
 use numbers::random::derive_seed;
 use numbers::rare::{
     ImportanceSampling, RareAxis, RareEstimate, RareOutcome, RarePoint, RareSampling, RareScale, RareSpace,
+    SplittingSampling,
 };
 use rayon::prelude::*;
 
@@ -83,9 +84,24 @@ fn problems() -> Vec<Problem> {
     ]
 }
 
-fn estimated(problem: &Problem, budget: usize, repetition: u64) -> RareEstimate {
+type Method = fn(RareSpace, usize, u64) -> Box<dyn RareSampling>;
+
+const METHODS: [(&str, Method, [usize; 2]); 2] = [
+    (
+        "importance",
+        |space, budget, seed| Box::new(ImportanceSampling::new(space, budget, seed)),
+        [4000, 20_000],
+    ),
+    (
+        "splitting",
+        |space, budget, seed| Box::new(SplittingSampling::new(space, budget, seed)),
+        [50_000, 200_000],
+    ),
+];
+
+fn estimated(method: Method, problem: &Problem, budget: usize, repetition: u64) -> RareEstimate {
     let space = RareSpace::new(vec![RareAxis::Continuous; problem.dimensions]);
-    let mut method = ImportanceSampling::new(space.clone(), budget, derive_seed(repetition, problem.name));
+    let mut method = method(space.clone(), budget, derive_seed(repetition, problem.name));
     while let Some(round) = method.ask() {
         let outcome = |one: &RarePoint| {
             let z: Vec<f64> = one.point.iter().map(|share| normal::quantile(*share)).collect();
@@ -104,14 +120,16 @@ fn estimated(problem: &Problem, budget: usize, repetition: u64) -> RareEstimate 
 fn main() {
     println!("{REPETITIONS} repetitions at 95 %; bias in its standard errors\n");
     println!(
-        "| problem | p | runs | refused | interval covers | right or refused | bound covers | bias | deviation |"
+        "| problem | p | by | runs | refused | interval covers | right or refused | bound covers | bias | deviation |"
     );
-    println!("|---|---|---|---|---|---|---|---|---|");
+    println!("|---|---|---|---|---|---|---|---|---|---|");
     for problem in problems() {
-        for budget in [4000, 20_000] {
+        for (by, method, budget) in
+            METHODS.iter().flat_map(|(by, method, budgets)| budgets.map(|budget| (by, *method, budget)))
+        {
             let all: Vec<RareEstimate> = (0..REPETITIONS)
                 .into_par_iter()
-                .map(|repetition| estimated(&problem, budget, repetition))
+                .map(|repetition| estimated(method, &problem, budget, repetition))
                 .collect();
             let known = problem.probability;
             let kept: Vec<_> = all.iter().filter(|one| one.refusals.is_empty()).collect();
@@ -122,7 +140,7 @@ fn main() {
             let squares: f64 = all.iter().map(|one| (one.value - mean) * (one.value - mean)).sum();
             let deviation = (squares / (all.len() - 1) as f64).sqrt();
             println!(
-                "| {} | {known:.2e} | {budget} | {refused} | {covered} of {} | {} of {} | {bound} of {} | {:+.1} | {:.1} % |",
+                "| {} | {known:.2e} | {by} | {budget} | {refused} | {covered} of {} | {} of {} | {bound} of {} | {:+.1} | {:.1} % |",
                 problem.name,
                 kept.len(),
                 covered + refused,

@@ -58,7 +58,7 @@ pub(super) fn sentences(result: &EstimateResult) -> Vec<String> {
     sentences.push(format!("estimate: {value}"));
     sentences.push(format!("  on the assumption: {}", result.assumption));
     sentences.extend(result.refusals.iter().map(|why| format!("  refused: {why}")));
-    if result.method == EstimateMethod::Importance {
+    if result.method != EstimateMethod::Crude {
         sentences.push(format!(
             "unseen: a region that no run found may still have up to {} at {level}",
             number(result.unseen)

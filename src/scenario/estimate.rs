@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Comparison, MetricReference, Origin};
 use numbers::inference::runs_needed;
-use numbers::rare::{CrudeSampling, ImportanceSampling};
+use numbers::rare::{CrudeSampling, ImportanceSampling, SplittingSampling};
 
 /// Fewer runs are not enough for replicates that say anything.
 pub const FEWEST_ESTIMATE_RUNS: u32 = numbers::rare::FEWEST_RUNS as u32;
@@ -40,6 +40,8 @@ pub struct Estimate {
 pub enum EstimateMethod {
     /// Where the event is likely, weighed by multiple importance sampling.
     Importance,
+    /// Level by level nearer to the event, from those that came nearest.
+    Splitting,
     /// As they are drawn.
     Crude,
 }
@@ -64,6 +66,7 @@ impl EstimateMethod {
     pub fn word(self) -> &'static str {
         match self {
             Self::Importance => "importance",
+            Self::Splitting => "splitting",
             Self::Crude => "crude",
         }
     }
@@ -72,6 +75,7 @@ impl EstimateMethod {
     pub fn nominal_runs(self, budget: usize) -> usize {
         match self {
             Self::Importance => ImportanceSampling::nominal_runs_of(budget),
+            Self::Splitting => SplittingSampling::nominal_runs_of(budget),
             Self::Crude => CrudeSampling::nominal_runs_of(budget),
         }
     }

@@ -44,6 +44,7 @@ pub fn estimate(
     };
     let method = match block.budget().and_then(ast::EstimateBudget::method) {
         Some(method) if method.is_crude() => EstimateMethod::Crude,
+        Some(method) if method.is_splitting() => EstimateMethod::Splitting,
         _ => EstimateMethod::Importance,
     };
     let claims: Vec<_> = block.claims().map(|claim| self::claim(claim, scope, places, report)).collect();
@@ -248,6 +249,7 @@ fn suffices(
     let level = scenario::significant(100.0 * claim.confidence, 6);
     let how = match method {
         EstimateMethod::Importance => "; `by importance` makes one in ten of the runs after its pilot such",
+        EstimateMethod::Splitting => "; `by splitting` makes one in ten of the runs after its pilot such",
         EstimateMethod::Crude => "",
     };
     report.push(

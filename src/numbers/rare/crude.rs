@@ -55,6 +55,7 @@ impl RareSampling for CrudeSampling {
             .filter(|(_, (_, outcome))| outcome.event)
             .map(|(run, (RarePoint { chance, point }, _))| WeighedHit {
                 run,
+                lineage: run,
                 chance,
                 weight: 1.0,
                 place: self.space.place(&point),

@@ -1,6 +1,8 @@
 //! What weighed runs say of a probability: a bound that holds without assumptions, and an estimate that has to be refused where its
 //! own runs speak against it.
 
+use std::collections::BTreeMap;
+
 use super::space::{RarePlace, RareSpace};
 use crate::distributions::{binomial_at_least, binomial_at_most, student_quantile};
 use crate::inference::{Interval, upper_bound};
@@ -10,6 +12,8 @@ use crate::inference::{Interval, upper_bound};
 pub struct WeighedHit {
     /// Its number among the runs that are asked for, from 0.
     pub run: usize,
+    /// Runs of one number are moved from one run, and so tell less than others; of methods that move none, the run's own.
+    pub lineage: usize,
     /// What its chance beyond the point is; see [`RarePoint`](super::RarePoint).
     pub chance: usize,
     /// Its coordinates.
@@ -85,11 +89,12 @@ pub struct RareEstimate {
     pub replicates: usize,
     /// Standard deviation of the replicates, in their mean; 0 of a mean of 0.
     pub relative_deviation: f64,
-    /// So many hits of equal weight would say as much: (Σ w)² / Σ w².
+    /// So many hits of equal weight would say as much: (Σ w)² / Σ w²; where some of them were moved from one run, no more than would
+    /// spread as the replicates do.
     ///
     /// Source: L. Kish, Survey Sampling, 1965.
     pub effective_size: f64,
-    /// The largest weight in the sum of all.
+    /// The largest weight in the sum of all, of a run or of those that were moved from one.
     pub largest_share: f64,
     /// Runs with the event.
     pub hits: usize,
@@ -115,22 +120,29 @@ impl RareEstimate {
         let weights = || replicates.iter().flat_map(weights_of);
         let sum: f64 = weights().sum();
         let squares: f64 = weights().map(|weight| weight * weight).sum();
-        let largest = weights().fold(0.0, f64::max);
+        let kish = if squares > 0.0 { sum * sum / squares } else { 0.0 };
+        let lineages: Vec<BTreeMap<usize, f64>> = replicates.iter().map(by_lineage).collect();
+        let largest = lineages.iter().flat_map(BTreeMap::values).copied().fold(0.0, f64::max);
+        let hits: usize = replicates.iter().map(|one| one.hits.len()).sum();
+        let related = lineages.iter().map(BTreeMap::len).sum::<usize>() < hits;
+        // Hits of one lineage say less than so many. So many hits of equal weight would spread as the replicates do.
+        let spread = count / (relative_deviation * relative_deviation);
         let nominal =
             replicates.iter().fold((0, 0), |sum, one| (sum.0 + one.nominal.0, sum.1 + one.nominal.1));
-        let (runs, hits) = nominal;
+        let (runs, events) = nominal;
         let likely = value.min(1.0);
-        let contradiction =
-            (2.0 * binomial_at_least(hits, runs, likely).min(binomial_at_most(hits, runs, likely))).min(1.0);
+        let contradiction = (2.0
+            * binomial_at_least(events, runs, likely).min(binomial_at_most(events, runs, likely)))
+        .min(1.0);
         let mut estimate = Self {
             value,
             error: deviation / count.sqrt(),
             scale,
             replicates: replicates.len(),
             relative_deviation,
-            effective_size: if squares > 0.0 { sum * sum / squares } else { 0.0 },
+            effective_size: if related { kish.min(spread) } else { kish },
             largest_share: if sum > 0.0 { largest / sum } else { 0.0 },
-            hits: replicates.iter().map(|one| one.hits.len()).sum(),
+            hits,
             nominal,
             contradiction,
             refusals: Vec::new(),
@@ -227,6 +239,15 @@ impl RareEstimate {
 fn weights_of(replicate: &ReplicateRuns) -> impl Iterator<Item = f64> {
     let runs = replicate.runs.max(1) as f64;
     replicate.hits.iter().map(move |hit| hit.weight / runs)
+}
+
+/// The same of all hits that were moved from one run.
+fn by_lineage(replicate: &ReplicateRuns) -> BTreeMap<usize, f64> {
+    let mut found = BTreeMap::new();
+    for (hit, weight) in replicate.hits.iter().zip(weights_of(replicate)) {
+        *found.entry(hit.lineage).or_insert(0.0) += weight;
+    }
+    found
 }
 
 /// Hits that are near each other.

@@ -144,7 +144,7 @@ impl RareSampling for ImportanceSampling {
             let parts = self.components.iter().map(|(own, component)| (*own as f64 / runs as f64, component));
             let weight = libm::exp(-log_mixture(parts, &place));
             let point = self.space.point(&place);
-            hits.push(WeighedHit { run, chance: run, point, weight, place });
+            hits.push(WeighedHit { run, lineage: run, chance: run, point, weight, place });
         }
         self.replicates.push(ReplicateRuns {
             probability: hits.iter().map(|hit| hit.weight).sum::<f64>() / runs as f64,

@@ -1,7 +1,7 @@
 //! Probabilities of rare events: where to look, what every run weighs, and what may be said of it.
 //!
-//! A run is a function of a point with one coordinate an axis, each uniform between 0 and 1. [`ImportanceSampling`]
-//! and [`CrudeSampling`] ask for points and are told what became of them; neither knows what makes the runs.
+//! A run is a function of a point with one coordinate an axis, each uniform between 0 and 1. [`ImportanceSampling`],
+//! [`SplittingSampling`] and [`CrudeSampling`] ask for points and are told what became of them; none knows what makes the runs.
 
 mod crude;
 mod estimate;
@@ -10,6 +10,7 @@ mod pilot;
 mod proposal;
 mod sampling;
 mod space;
+mod splitting;
 #[cfg(test)]
 mod tests;
 
@@ -21,6 +22,7 @@ pub use estimate::{
 pub use importance::ImportanceSampling;
 pub use sampling::{RareOutcome, RarePoint, RareRound, RareSampling};
 pub use space::{RareAxis, RareSpace};
+pub use splitting::SplittingSampling;
 
 /// Independent replicates that every estimate is made of, each unbiased.
 pub const REPLICATES: usize = 20;

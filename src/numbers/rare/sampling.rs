@@ -50,8 +50,8 @@ pub trait RareSampling: Send + Sync {
     /// Runs that it may ask for in all, at most.
     fn budget(&self) -> usize;
 
-    /// Runs that are drawn as they are drawn without a method, whatever comes of any: those that [`ReplicateRuns::nominal`] counts
-    /// in the end.
+    /// Runs that are drawn as they are drawn without a method, as far as the method knows: those that [`ReplicateRuns::nominal`]
+    /// counts in the end.
     fn nominal_runs(&self) -> usize;
 
     /// The share of the first runs without the event that are as far from it as another, farther than none: where most are, nothing

@@ -46,14 +46,23 @@ struct Counted {
     values: Vec<f64>,
 }
 
-fn repeated(problem: &Problem, repetitions: u64, budget: usize) -> Counted {
+fn by_importance(space: RareSpace, budget: usize, seed: u64) -> Box<dyn RareSampling> {
+    Box::new(ImportanceSampling::new(space, budget, seed))
+}
+
+fn by_splitting(space: RareSpace, budget: usize, seed: u64) -> Box<dyn RareSampling> {
+    Box::new(SplittingSampling::new(space, budget, seed))
+}
+
+type Method = fn(RareSpace, usize, u64) -> Box<dyn RareSampling>;
+
+fn repeated(method: Method, problem: &Problem, repetitions: u64, budget: usize) -> Counted {
     let mut counted = Counted::default();
     for repetition in 0..repetitions {
         let space = space(problem.dimensions);
-        let mut method =
-            ImportanceSampling::new(space.clone(), budget, derive_seed(repetition, problem.name));
-        let runs = run(&mut method, problem, &space);
-        assert!(runs == method.budget() && runs <= budget, "{runs} runs of {budget}");
+        let mut method = method(space.clone(), budget, derive_seed(repetition, problem.name));
+        let runs = run(method.as_mut(), problem, &space);
+        assert!(runs <= method.budget() && method.budget() <= budget, "{runs} runs of {budget}");
         let estimate = RareEstimate::of(&space, method.replicates(), RareScale::Logarithmic);
         assert_eq!(estimate.nominal.0 as usize, method.nominal_runs());
         counted.guaranteed += u64::from(problem.probability <= estimate.guaranteed(0.95));
@@ -93,7 +102,7 @@ fn known_probabilities_are_covered_without_bias() {
     ];
     for problem in problems {
         let repetitions = 40;
-        let counted = repeated(&problem, repetitions, 4000);
+        let counted = repeated(by_importance, &problem, repetitions, 4000);
         let kept = repetitions - counted.refused;
         let name = problem.name;
         assert!(counted.refused <= 4, "{name}: {counted:?}");
@@ -122,7 +131,7 @@ fn a_region_that_the_pilot_did_not_see_is_found_or_refused() {
     };
     assert!(tail(2.3) * tail(2.3) < tail(3.5), "it is the rarer of the two");
     let repetitions = 30;
-    let counted = repeated(&problem, repetitions, 20_000);
+    let counted = repeated(by_importance, &problem, repetitions, 20_000);
     let right = (counted.covered + counted.refused) as f64;
     assert!(right >= at_least(0.93, repetitions) * repetitions as f64, "{counted:?}");
 }
@@ -239,4 +248,126 @@ fn crude_runs_have_the_exact_interval() {
     assert_eq!(estimate.interval(0.95), crate::inference::clopper_pearson(hits, runs, 0.95));
     assert!(estimate.refusals.is_empty());
     assert!(estimate.interval(0.999).contains(0.01), "{estimate:?}");
+}
+
+/// Where importance sampling fails: in many directions at once, and where only the runs themselves say where it goes on.
+#[test]
+fn splitting_is_unbiased_and_covers() {
+    let nothing = |_: &[f64]| false;
+    let problems = [
+        Problem {
+            name: "linear, 1e-4, of ten",
+            dimensions: 10,
+            probability: tail(3.719),
+            score: |z| 3.719 - z.iter().sum::<f64>() / 10.0_f64.sqrt(),
+            hidden: nothing,
+        },
+        Problem {
+            name: "two regions on opposite sides",
+            dimensions: 2,
+            probability: tail(3.5) + tail(3.8),
+            score: |z| (3.5 - z[0]).min(3.8 + z[0]),
+            hidden: nothing,
+        },
+        Problem {
+            name: "steps, of which the first holds nine tenths of all runs",
+            dimensions: 3,
+            probability: tail(3.5),
+            score: |z| ((3.5 - z[0]) * 4.0).ceil().clamp(0.0, 9.0),
+            hidden: nothing,
+        },
+    ];
+    for problem in problems {
+        let repetitions = 40;
+        let counted = repeated(by_splitting, &problem, repetitions, 90_000);
+        let kept = repetitions - counted.refused;
+        let name = problem.name;
+        assert!(counted.refused <= 10, "{name}: {counted:?}");
+        assert!(counted.covered as f64 >= at_least(0.93, kept) * kept as f64, "{name}: {counted:?}");
+        let guaranteed = counted.guaranteed as f64;
+        assert!(guaranteed >= at_least(0.95, repetitions) * repetitions as f64, "{name}: {counted:?}");
+        let mean = crate::summary::mean(&counted.values).unwrap();
+        let error = crate::summary::std(&counted.values).unwrap() / (repetitions as f64).sqrt();
+        println!("{name}: {mean} ± {error}, and it is {}; {} refused", problem.probability, counted.refused);
+        assert!((mean - problem.probability).abs() < 4.0 * error, "{name}: {mean} ± {error}");
+        assert!(error / mean < 0.05, "{name}: {mean} ± {error}");
+    }
+}
+
+/// Few runs that all come from a few say little, however many have the event in the end.
+#[test]
+fn hits_of_one_lineage_are_no_many_hits() {
+    let space = space(2);
+    let hit = |run: usize, lineage: usize| WeighedHit {
+        run,
+        lineage,
+        chance: run,
+        point: vec![0.5, 0.5],
+        weight: 1e-4,
+        place: space.place(&[0.5, 0.5]),
+    };
+    let replicates: Vec<ReplicateRuns> = (0..REPLICATES)
+        .map(|replicate| ReplicateRuns {
+            probability: if replicate < 3 { 50.0 * 1e-4 / 1000.0 } else { 0.0 },
+            runs: 1000,
+            nominal: (200, 0),
+            hits: if replicate < 3 { (0..50).map(|run| hit(run, 7)).collect() } else { Vec::new() },
+        })
+        .collect();
+    let estimate = RareEstimate::of(&space, &replicates, RareScale::Logarithmic);
+    assert_eq!(estimate.hits, 150);
+    assert!(estimate.effective_size < 4.0, "{estimate:?}");
+    assert!((estimate.largest_share - 1.0 / 3.0).abs() < 1e-9, "{estimate:?}");
+    let of = |wanted: fn(&RareRefusal) -> bool| estimate.refusals.iter().any(wanted);
+    assert!(
+        of(|one| matches!(one, RareRefusal::FewHits(_))) && of(|one| matches!(one, RareRefusal::OneRun(_)))
+    );
+    assert!(of(|one| matches!(one, RareRefusal::Spread(_))));
+}
+
+#[test]
+fn what_is_not_rare_takes_no_levels_and_what_never_happens_is_refused() {
+    let space = space(2);
+    let often = Problem {
+        name: "often",
+        dimensions: 2,
+        probability: 0.7,
+        score: |z| -0.5244 - z[0],
+        hidden: |_| false,
+    };
+    let mut method = SplittingSampling::new(space.clone(), 4000, 3);
+    let runs = run(&mut method, &often, &space);
+    let estimate = RareEstimate::of(&space, method.replicates(), RareScale::Logarithmic);
+    assert_eq!((estimate.nominal.0, runs), (3000, 3000 + 4000 / 48), "one batch of the pilot was enough");
+    assert!(estimate.refusals.is_empty() && estimate.interval(0.999).contains(0.7), "{estimate:?}");
+    let never = Problem { name: "never", probability: 0.0, score: |_| f64::INFINITY, ..often };
+    let mut method = SplittingSampling::new(space.clone(), 4000, 3);
+    run(&mut method, &never, &space);
+    let estimate = RareEstimate::of(&space, method.replicates(), RareScale::Logarithmic);
+    assert_eq!(estimate.refusals, [RareRefusal::NoHits]);
+    assert_eq!((estimate.upper(0.95), method.plateau()), (1.0, 1.0), "no hit is no proof");
+}
+
+/// Rare noise rather than rare points: nothing that is drawn leads to the event, and chance that is moved does.
+#[test]
+fn splitting_goes_on_from_chance_too() {
+    let space = space(1);
+    let mut values = Vec::new();
+    for seed in 0..20 {
+        let mut method = SplittingSampling::new(space.clone(), 20_000, seed);
+        while let Some(round) = method.ask() {
+            let outcome = |one: &RarePoint| {
+                let noise = crate::random::Stream::numbered(seed, one.chance as u64).normal();
+                let score = 4.0 - (space.place(&one.point).z[0] + noise) / 2.0_f64.sqrt();
+                RareOutcome { event: score <= 0.0, score }
+            };
+            let outcomes: Vec<_> = round.points.iter().map(outcome).collect();
+            method.tell(&outcomes);
+        }
+        values.push(RareEstimate::of(&space, method.replicates(), RareScale::Logarithmic).value);
+    }
+    let mean = crate::summary::mean(&values).unwrap();
+    let error = crate::summary::std(&values).unwrap() / 20.0_f64.sqrt();
+    println!("{mean} ± {error}, and it is {}", tail(4.0));
+    assert!((mean - tail(4.0)).abs() < 4.0 * error && error < 0.2 * mean, "{mean} ± {error}");
 }

@@ -166,7 +166,7 @@ views! {
     Score = score { metric: Metric }
     /// `budget 50000 runs, by importance`
     EstimateBudget = estimate_budget { runs: Integer, method: (SamplingMethod) }
-    SamplingMethod = sampling_method { is_crude: {kw_crude} }
+    SamplingMethod = sampling_method { is_splitting: {kw_splitting}, is_crude: {kw_crude} }
     /// `claim guaranteed <= 1e-3 with 95 % confidence`
     EstimateClaim = estimate_claim {
         is_guaranteed: {kw_guaranteed},
@@ -489,7 +489,7 @@ pub static ESTIMATE_BLOCK: BlockEntry = BlockEntry {
         statement(
             "budget",
             Rule::estimate_budget,
-            "budget 50000 runs, by importance`, `budget 1000000 runs, by crude",
+            "budget 50000 runs, by importance`, `budget 200000 runs, by splitting`, `budget 1000000 runs, by crude",
             "How many runs are made, and how: where the event is likely, weighed, or as they are drawn.",
         )
         .key("budget", YamlShape::Words)

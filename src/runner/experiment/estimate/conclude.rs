@@ -112,6 +112,10 @@ fn assumption(method: EstimateMethod) -> &'static str {
             "the runs reached every region that matters, and the 20 replicates' mean, on a logarithmic scale, behaves as that of a \
              normal distribution (Student)"
         }
+        EstimateMethod::Splitting => {
+            "from the runs of each level every region of the next that matters was reached, and the 20 replicates' mean, on a logarithmic \
+             scale, behaves as that of a normal distribution (Student)"
+        }
         EstimateMethod::Crude => "none: all runs are drawn as they are (Clopper–Pearson)",
     }
 }
@@ -135,7 +139,11 @@ fn in_words(refusal: &RareRefusal, estimate: &RareEstimate) -> String {
             significant(*size, 3)
         ),
         RareRefusal::OneRun(share) => {
-            format!("one run has {} of all weight ({} or more)", percent(*share), percent(LARGEST_SHARE))
+            format!(
+                "one run, or those that were moved from one, has {} of all weight ({} or more)",
+                percent(*share),
+                percent(LARGEST_SHARE)
+            )
         }
         RareRefusal::Contradicted(likely) => format!(
             "{hits} of {runs} runs that are drawn as they are have the event, which an estimate of {} gives by chance with {} \

@@ -1,7 +1,8 @@
 //! `estimate`: how probable an event is in a scenario that draws. A method says at which points runs are wanted, runs are made there, and
 //! what they weigh is what the points would be drawn with over what they were drawn with.
 //!
-//! What is drawn is perturbed; the noise inside of models is not: every run has noise of its own, named by its number.
+//! What is drawn is perturbed; the noise inside of models is not: every run has noise of its own, named by its number. Splitting takes the
+//! noise along from run to run, or has it drawn anew.
 
 mod conclude;
 mod record;
@@ -15,7 +16,7 @@ use conclude::{Told, conclude};
 use numbers::random::derive_seed;
 use numbers::rare::{
     CrudeSampling, ImportanceSampling, RareAxis, RareEstimate, RareOutcome, RarePoint, RareSampling,
-    RareScale, RareSpace,
+    RareScale, RareSpace, SplittingSampling,
 };
 use rayon::prelude::*;
 use record::EstimateRecord;
@@ -62,6 +63,9 @@ pub fn run_estimate(
     let (mut method, scale): (Box<dyn RareSampling>, RareScale) = match block.method {
         EstimateMethod::Importance => {
             (Box::new(ImportanceSampling::new(space.clone(), budget, seed)), RareScale::Logarithmic)
+        }
+        EstimateMethod::Splitting => {
+            (Box::new(SplittingSampling::new(space.clone(), budget, seed)), RareScale::Logarithmic)
         }
         EstimateMethod::Crude => {
             (Box::new(CrudeSampling::new(space.clone(), budget, seed)), RareScale::Exact)
