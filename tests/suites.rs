@@ -2,7 +2,7 @@
 //! what they run.
 //!
 //! `tests/fingerprints` holds a line a run, a block and a metric. The three parts of the paper's suite run the same cases
-//! as that does (a test says so), and `suites/paper/beyond.suite` and `suites/paper/people.suite` take minutes: their tests are ignored here and run by
+//! as that does (a test says so), and `suites/rare.suite`, `suites/paper/beyond.suite` and `suites/paper/people.suite` take minutes: their tests are ignored here and run by
 //! `.ci/run`.
 
 use std::collections::HashMap;
@@ -41,7 +41,7 @@ const OTHERS: &[&str] = &[
 ];
 
 /// Takes minutes.
-const LONG: &[&str] = &["suites/paper/beyond.suite", "suites/paper/people.suite"];
+const LONG: &[&str] = &["suites/paper/beyond.suite", "suites/paper/people.suite", "suites/rare.suite"];
 
 /// Needs controllers of others, which `examples/controllers/check` installs and runs.
 const OF_PROGRAMS: &[&str] = &["suites/own_controllers.suite"];

@@ -94,6 +94,16 @@ fn crude_runs_find_what_is_not_rare() {
 }
 
 #[test]
+fn splitting_finds_the_same() {
+    let known = probability(70.0);
+    let result = estimated(&text(70.0, "event collision; score pet; budget 12000 runs, by splitting"));
+    assert!(result.refusals.is_empty(), "{:?}", result.refusals);
+    assert!(known < 0.04 && result.interval.contains(known), "{known}: {result:?}");
+    assert_eq!(result.nominal_runs, 900, "a tenth of what the pilot leaves");
+    assert!(result.runs <= 12_000 && result.hits > 100, "{result:?}");
+}
+
+#[test]
 fn claims_are_decided_by_the_estimate_or_by_nominal_runs_alone() {
     let claims = "claim <= 1e-5; claim <= 1e-7; claim guaranteed <= 2 %";
     let result = estimated(&text(80.5, &format!("{BLOCK}; {claims}")));
@@ -113,13 +123,15 @@ fn what_is_not_found_is_not_passed() {
 
 #[test]
 fn who_makes_the_runs_changes_nothing() {
-    let text = text(78.0, BLOCK);
-    let alone = run(&text, &Threads::new(1), None, &Stop::default(), &Silent).unwrap();
-    for executor in [&Threads::new(3) as &dyn Executor, &Shuffled::seeded(7)] {
-        let other = run(&text, executor, None, &Stop::default(), &Silent).unwrap();
-        assert_eq!(alone, other);
-        let results = [alone.clone(), other].map(BlockResult::Estimate);
-        assert_eq!(results[0].fingerprint(), results[1].fingerprint());
+    for block in [BLOCK, "event collision; score pet; budget 2000 runs, by splitting"] {
+        let text = text(78.0, block);
+        let alone = run(&text, &Threads::new(1), None, &Stop::default(), &Silent).unwrap();
+        for executor in [&Threads::new(3) as &dyn Executor, &Shuffled::seeded(7)] {
+            let other = run(&text, executor, None, &Stop::default(), &Silent).unwrap();
+            assert_eq!(alone, other);
+            let results = [alone.clone(), other].map(BlockResult::Estimate);
+            assert_eq!(results[0].fingerprint(), results[1].fingerprint());
+        }
     }
 }
 
