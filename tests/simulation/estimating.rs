@@ -96,11 +96,11 @@ fn crude_runs_find_what_is_not_rare() {
 #[test]
 fn splitting_finds_the_same() {
     let known = probability(70.0);
-    let result = estimated(&text(70.0, "event collision; score pet; budget 12000 runs, by splitting"));
+    let result = estimated(&text(70.0, "event collision; score pet; budget 24000 runs, by splitting"));
     assert!(result.refusals.is_empty(), "{:?}", result.refusals);
     assert!(known < 0.04 && result.interval.contains(known), "{known}: {result:?}");
-    assert_eq!(result.nominal_runs, 900, "a tenth of what the pilot leaves");
-    assert!(result.runs <= 12_000 && result.hits > 100, "{result:?}");
+    assert_eq!(result.nominal_runs, 1800, "a tenth of what the pilot leaves");
+    assert!(result.runs <= 24_000 && result.hits > 100, "{result:?}");
 }
 
 #[test]
