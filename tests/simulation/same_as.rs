@@ -121,7 +121,7 @@ fn without_a_world_around_it_the_encounter_is_the_same_and_so_it_is_under_other_
     let observed = observed();
     for (index, (expected, observed)) in expected.iter().zip(&observed).enumerate() {
         let condition = EncounterCondition { zebra: index >= 5, gap: 3.0 + (index % 5) as f64 };
-        for seed in [1, 2, 3] {
+        for seed in [1, 2] {
             let found = 100.0 * condition.shares(&Variant::STANDARD, &people, 2, seed).share;
             // Of other members, too: by how much that may differ of 150 and of 200 times two.
             let known = (found / 100.0).clamp(0.01, 0.99);
