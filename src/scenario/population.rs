@@ -29,6 +29,9 @@ const SHIPPED: [(&str, u32, &str); 2] = [
     (HUMANS, 1, include_str!("population/humans.json")),
 ];
 
+/// Whose people they are.
+const SHIPPED_MODEL: &str = "commotions";
+
 /// Names of the populations that are part of the program, which need no file.
 pub fn shipped() -> impl Iterator<Item = &'static str> {
     SHIPPED.iter().map(|(name, ..)| *name)
