@@ -146,8 +146,10 @@ fn other_tolerances_weigh_the_runs_that_are_known() {
     assert_eq!(told.0.lock().unwrap()[0], 20, "those that are known are not asked again");
     assert_eq!(resumed, run(&suite, &Threads::new(2), None, &Stop::default(), &Silent).unwrap());
     // In other conditions nothing is known of them.
-    let cut = run(&load(MATCHED, &rows.concat()), &Threads::new(2), Some(folder.path()), &stop, &Silent);
-    assert!(matches!(cut, Err(ExperimentError::Stopped)), "{cut:?}");
+    let stop = Stop::default();
+    let stops = StopsAt(stop.clone(), AtomicUsize::new(0));
+    let suite = load(MATCHED, &rows.concat());
+    assert!(run(&suite, &Threads::new(2), Some(folder.path()), &stop, &stops).is_err());
     let told = Told::default();
     let fewer = load(&MATCHED.replace("\n  folds 2", ""), rows[0]);
     let _ = run(&fewer, &Threads::new(2), Some(folder.path()), &Stop::default(), &told);
