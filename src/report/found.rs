@@ -46,8 +46,16 @@ pub fn render_search(result: &SearchResult) -> String {
 fn people(result: &SearchResult, found: &[&Found]) -> String {
     let headings = ["", "where", "observed", "model", "fresh seeds", "first", "runs"];
     let mut lines = vec![headings.map(String::from).to_vec()];
+    if says_plausibility(result) {
+        lines[0].push("plausibility".into());
+    }
     lines.extend(found.iter().map(|found| line(result, found)));
     columns(&lines)
+}
+
+/// Whether of somebody it is known how usual they are.
+fn says_plausibility(result: &SearchResult) -> bool {
+    result.found.iter().any(|found| found.plausibility.is_some())
 }
 
 fn line(result: &SearchResult, found: &Found) -> Vec<String> {
@@ -61,7 +69,7 @@ fn line(result: &SearchResult, found: &Found) -> Vec<String> {
     let point = point.map(|(index, (name, at))| format!("{name} {}", value(result.shown_in.get(index), at)));
     let unit = &result.objective_in;
     let of_objective = |value: Option<f64>| value.map_or("–".into(), |value| unit.show(value));
-    vec![
+    let mut line = vec![
         who,
         point.collect::<Vec<_>>().join(", "),
         of_objective(found.observed),
@@ -71,7 +79,21 @@ fn line(result: &SearchResult, found: &Found) -> Vec<String> {
         format!("{} ({})", of_objective(found.fresh), found.fresh_runs),
         found.passed_first.as_deref().unwrap_or("–").to_string(),
         found.evaluations.len().to_string(),
-    ]
+    ];
+    if says_plausibility(result) {
+        line.push(found.plausibility.map_or("–".into(), tail_text));
+    }
+    line
+}
+
+/// How usual somebody is: such as `12 %`, and of the rarest `0.3 %`.
+pub fn tail_text(share: f64) -> String {
+    match 100.0 * share {
+        none if none == 0.0 => "0 %".to_string(),
+        rare if rare < 0.1 => "< 0.1 %".to_string(),
+        rare if rare < 10.0 => format!("{rare:.1} %"),
+        usual => format!("{usual:.0} %"),
+    }
 }
 
 /// Quantiles over everybody of what each line says, and how many were first.
@@ -102,6 +124,10 @@ fn spread(result: &SearchResult) -> String {
     row("observed", unit, found.iter().filter_map(|one| one.observed).collect());
     row("model", unit, found.iter().filter_map(|one| Some(one.predicted?.0)).collect());
     row("fresh seeds", unit, found.iter().filter_map(|one| one.fresh).collect());
+    if says_plausibility(result) {
+        let unit = ShownIn::new(None, "%");
+        row("plausibility", &unit, found.iter().filter_map(|one| one.plausibility).collect());
+    }
     let mut text = columns(&lines);
     let mut first: Vec<(&str, usize)> = Vec::new();
     for who in found.iter().map(|one| one.passed_first.as_deref().unwrap_or("nobody")) {
@@ -187,5 +213,18 @@ mod tests {
         let fresh = |number: u32| result.found[number as usize - 1].fresh.unwrap();
         assert!(largest.windows(2).all(|pair| fresh(pair[0]) >= fresh(pair[1])), "{largest:?}");
         assert!(!largest.contains(&7) && !largest.contains(&9));
+    }
+    #[test]
+    fn how_usual_somebody_is_stands_there_where_it_is_known() {
+        let mut result = over(3);
+        assert!(!render_search(&result).contains("plausibility"), "nothing is known of anybody");
+        (result.found[0].plausibility, result.found[2].plausibility) = (Some(0.034), Some(0.5));
+        let text = render_search(&result);
+        let ends: Vec<&str> = text.lines().skip(1).take(4).map(str::trim_end).collect();
+        for (line, end) in ends.iter().zip(["plausibility", "3.4 %", "–", "50 %"]) {
+            assert!(line.ends_with(end), "{text}");
+        }
+        let texts = [0.0, 0.0004, 0.034, 0.5, 1.0].map(tail_text);
+        assert_eq!(texts, ["0 %", "< 0.1 %", "3.4 %", "50 %", "100 %"]);
     }
 }

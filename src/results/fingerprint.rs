@@ -196,6 +196,8 @@ impl Mixture {
             fresh,
             fresh_runs: _,
             passed_first: _,
+            // Out of the parameters of the case.
+            plausibility: _,
             evaluations,
             stop: _,
             slices: _,

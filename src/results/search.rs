@@ -44,6 +44,10 @@ pub struct Found {
     pub fresh_runs: u32,
     /// Who passed first at the best point, in the words of the metric `passed_first`; `None` if that was not measured.
     pub passed_first: Option<String>,
+    /// How usual the person at the best point is, of several the least usual: the share of the population `humans` that is no more so.
+    /// `None` where nobody is of a population or has parameters that the search varies, and where `humans` says nothing of them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plausibility: Option<f64>,
     /// Objective of every evaluation in order; `None` where it is undefined.
     pub evaluations: Vec<(Vec<optimise::Coordinate>, Option<f64>)>,
     /// Why nothing more was proposed; `None` if the search did not get there.

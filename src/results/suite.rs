@@ -157,9 +157,20 @@ pub struct PeopleUsed {
     pub population: String,
     /// Of everybody in it, as baselines hold it.
     pub digest: String,
+    /// Of a population that ships: which version of it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub version: Option<u32>,
     /// What has to be known of its use here, such as that people meet vehicles at speeds at which nobody was observed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub warning: Option<String>,
+}
+
+impl PeopleUsed {
+    /// Such as `humans, version 2, digest 0123456789abcdef`.
+    pub fn in_words(&self) -> String {
+        let version = self.version.map_or_else(String::new, |version| format!(", version {version}"));
+        format!("{}{version}, digest {}", self.population, self.digest)
+    }
 }
 
 impl SuiteReport {

@@ -65,6 +65,7 @@ pub fn record(plan: &Plan, trials: &[(&PlannedTrial, &[Outcome])], requests: &Re
         set: plan.set.clone(),
         tool: env!("CARGO_PKG_VERSION").to_string(),
         populations: plan.populations.clone(),
+        population_versions: versions(&plan.populations),
         programs: BTreeMap::new(),
         what_runs,
         nondeterministic: BTreeMap::new(),
@@ -72,6 +73,12 @@ pub fn record(plan: &Plan, trials: &[(&PlannedTrial, &[Outcome])], requests: &Re
         vehicles,
         trials: recorded,
     }
+}
+
+/// Which versions those populations are that ship.
+fn versions(populations: &BTreeMap<String, String>) -> BTreeMap<String, u32> {
+    let version = |name: &String| Some((name.clone(), scenario::population::shipped_version(name)?));
+    populations.keys().filter_map(version).collect()
 }
 
 /// What runs as each of the declared controllers of the trials, by what files call them.

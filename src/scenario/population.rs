@@ -23,13 +23,24 @@ pub const STANDARD: &str = "standard";
 /// Weights over such people, who do what people did in an experiment.
 pub const HUMANS: &str = "humans";
 
-/// The populations that are part of the program.
-const SHIPPED: [(&str, &str); 2] =
-    [(STANDARD, include_str!("population/standard.json")), (HUMANS, include_str!("population/humans.json"))];
+/// The populations that are part of the program: name, version, text.
+const SHIPPED: [(&str, u32, &str); 2] = [
+    (STANDARD, 1, include_str!("population/standard.json")),
+    (HUMANS, 2, include_str!("population/humans.json")),
+];
+
+/// Whose people they are.
+const SHIPPED_MODEL: &str = "commotions";
 
 /// Names of the populations that are part of the program, which need no file.
 pub fn shipped() -> impl Iterator<Item = &'static str> {
-    SHIPPED.iter().map(|(name, _)| *name)
+    SHIPPED.iter().map(|(name, ..)| *name)
+}
+
+/// Which version of a population that ships this is, counted from 1: whoever is in it is said by its digest, and that they are others
+/// than before by another version. `None` of every other name.
+pub fn shipped_version(name: &str) -> Option<u32> {
+    SHIPPED.iter().find(|(known, ..)| *known == name).map(|(_, version, _)| *version)
 }
 
 /// The parameter that names a model's variant.
@@ -299,7 +310,7 @@ impl Population {
         model: &Declaration,
         variant: Option<&str>,
     ) -> Result<Self, PopulationError> {
-        if let Some((name, text)) = SHIPPED.iter().find(|(known, _)| *known == name) {
+        if let Some((name, _, text)) = SHIPPED.iter().find(|(known, ..)| *known == name) {
             return Self::from_json(Path::new(name), text, model, variant);
         }
         let file = Path::new(name);

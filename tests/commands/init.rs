@@ -38,12 +38,25 @@ fn the_starter_project_passes_in_an_empty_folder() {
     assert_eq!(code(&written), 0, "{}", text(&written));
     assert!(text(&written).contains("scenario-runner suites/every_change.suite"), "{}", text(&written));
 
-    let ran = run(folder.path(), &["suites/every_change.suite", "--no-progress"]);
+    let reports = ["--json", "found.json", "--html", "found.html"];
+    let ran = run(folder.path(), &[&["suites/every_change.suite", "--no-progress"], &reports[..]].concat());
     assert_eq!(code(&ran), 0, "{}", text(&ran));
     assert!(text(&ran).contains("10 trials, 67 runs: 10 passed"), "{}", text(&ran));
     let unknown =
         "people of `humans` were observed before vehicles at 50 km/h, and here they meet vehicles at 30 km/h";
     assert_eq!(text(&ran).matches(unknown).count(), 1, "said once: {}", text(&ran));
+    let written = |file: &str| std::fs::read_to_string(folder.path().join(file)).unwrap();
+    let (json, html) = (written("found.json"), written("found.html"));
+    assert_eq!(json.matches(unknown).count(), 1);
+    assert_eq!(html.matches("people of `humans` were observed before vehicles at ").count(), 1);
+    // Who they are is said beside.
+    let packed = json.replace(' ', "");
+    assert!(packed.contains(r#""population":"humans""#) && packed.contains(r#""version":2"#));
+    assert!(html.contains("humans, version 2, digest "));
+    // At the speed that people were observed with there is nothing to be told.
+    let known = run(folder.path(), &["suites/every_change.suite", "--no-progress", "--set", "pace=50km/h"]);
+    assert!(text(&known).contains("8 trials, 65 runs"), "{}", text(&known));
+    assert!(!text(&known).contains("were observed before"), "{}", text(&known));
 
     let all = [&SCENARIOS[..], &SUITES[..]].concat();
     let checked = run(folder.path(), &[&["check"], all.as_slice()].concat());

@@ -1,6 +1,7 @@
 //! What lies in the repository beside the program: pages, examples, colours, the house itself, texts that are right and wrong.
 
 mod circles;
+mod data;
 mod examples;
 mod fuzz;
 mod highlighting;

@@ -111,6 +111,48 @@ fn the_order_of_candidates_and_of_their_parameters_changes_nothing() {
     }
 }
 
+/// Which counts it was told.
+#[derive(Default)]
+struct Told(std::sync::Mutex<Vec<usize>>);
+
+impl BlockProgress for Told {
+    fn evaluated(&self, done: usize, _: usize, _: Option<f64>) {
+        self.0.lock().unwrap().push(done);
+    }
+}
+
+#[test]
+fn other_tolerances_weigh_the_runs_that_are_known() {
+    let folder = tempfile::tempdir().unwrap();
+    // Two persons, of whom little is known: there are mixtures that are consistent enough.
+    let rows = ["crossing, 4 s, 0.125, 8, 2, 1, 1, 0, 0, 0\n", "crossing, 6 s, 0.5, 8, 2, 1, 0, 0, 0, 1\n"];
+    let stop = Stop::default();
+    let stops = StopsAt(stop.clone(), AtomicUsize::new(0));
+    let suite = load(MATCHED, &rows.concat());
+    let cut = run(&suite, &Threads::new(2), Some(folder.path()), &stop, &stops);
+    assert!(matches!(cut, Err(ExperimentError::Stopped)), "{cut:?}");
+    // With words in between, other folds and another method: the same candidates in the same conditions.
+    let closer = format!(
+        "\n  {}\n  match spread between individuals of rate(gap_accepted) within 100 % of error\n  \
+         method maximum_entropy within 80 % of error",
+        MATCHED.replace("folds 2", "")
+    );
+    let suite = load(&closer, &rows.concat());
+    let told = Told::default();
+    let resumed = run(&suite, &Threads::new(2), Some(folder.path()), &Stop::default(), &told).unwrap();
+    assert_eq!(told.0.lock().unwrap()[0], 20, "those that are known are not asked again");
+    assert_eq!(resumed, run(&suite, &Threads::new(2), None, &Stop::default(), &Silent).unwrap());
+    // In other conditions nothing is known of them.
+    let stop = Stop::default();
+    let stops = StopsAt(stop.clone(), AtomicUsize::new(0));
+    let suite = load(MATCHED, &rows.concat());
+    assert!(run(&suite, &Threads::new(2), Some(folder.path()), &stop, &stops).is_err());
+    let told = Told::default();
+    let fewer = load(&MATCHED.replace("\n  folds 2", ""), rows[0]);
+    let _ = run(&fewer, &Threads::new(2), Some(folder.path()), &Stop::default(), &told);
+    assert_eq!(told.0.lock().unwrap()[0], 0);
+}
+
 /// Stops once somebody was weighed.
 struct StopsAt(Stop, AtomicUsize);
 

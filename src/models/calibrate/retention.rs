@@ -173,7 +173,7 @@ impl Report {
         let source = if criteria.is_empty() {
             "candidates by parameters of Markkula et al., PNAS Nexus 2(6), 2023 (facts of a data set under CC BY-NC-SA 4.0); no criterion was asked of them"
         } else {
-            "retained by the procedure of Markkula et al., PNAS Nexus 2(6), 2023"
+            "retained by the procedure of Markkula et al., PNAS Nexus 2(6), 2023, out of candidates within ranges of its parameters (facts of a data set under CC BY-NC-SA 4.0)"
         };
         Population {
             model: commotions().declaration.name.to_string(),

@@ -1,14 +1,13 @@
 //! Who the pedestrian is: how usual a person of its parameters is.
 
-use std::sync::OnceLock;
+use std::sync::Arc;
 
-use scenario::population::{HUMANS, Plausibility, Population, STANDARD};
+use scenario::population::{HUMANS, Plausibility, STANDARD};
 use scenario::{Absence, ChoiceOption, Declaration, Dimension, Metric, MetricKind, MetricRange, Parameter};
-use scenario::{Scope, Worst};
+use scenario::{PedestrianModel, Scope, Settings, Worst};
 use sim::measure::{Encounters, Meter, MetricContext, meters};
 
 pub fn plausibility() -> Metric {
-    let known = Shipped::default();
     let declaration = Declaration::new(
         "plausibility",
         "How usual a person of the pedestrian's parameters is: the share of a population that is \
@@ -39,37 +38,32 @@ pub fn plausibility() -> Metric {
         worst: Worst::Smallest,
         absence: Absence::Open,
         range: MetricRange::Share,
-        meters: meters(move |context| Box::new(KnownBefore(known.of(context)))),
+        meters: meters(|context| Box::new(KnownBefore::of(context))),
     }
 }
 
-/// What is known of the populations that ship, worked out when the first run asks.
-#[derive(Default)]
-struct Shipped {
-    humans: OnceLock<Option<Plausibility>>,
-    standard: OnceLock<Option<Plausibility>>,
+/// Nothing in the run changes it, and it is worked out where somebody reads it.
+struct KnownBefore {
+    population: String,
+    /// The pedestrian's, if anybody knows it.
+    model: Option<Arc<PedestrianModel>>,
+    person: Settings,
 }
 
-impl Shipped {
-    fn of(&self, context: &MetricContext) -> Option<f64> {
+impl KnownBefore {
+    fn of(context: &MetricContext) -> Self {
         let person = &context.world.pedestrians[context.pedestrian].model;
-        let model = &person.model.known()?.declaration;
-        let name = context.settings.word("population");
-        let known = if name == HUMANS { &self.humans } else { &self.standard };
-        if known.get().is_none() {
-            // A model that knows no such people leaves them to the one that does.
-            let population = Population::parse(name, None, model, None).ok()?;
-            known.get_or_init(|| Plausibility::of(&population));
+        Self {
+            population: context.settings.word("population").to_string(),
+            model: person.model.entry().cloned(),
+            person: person.settings.clone(),
         }
-        known.get()?.as_ref()?.tail(model, &person.settings)
     }
 }
-
-/// It is known before the run, and nothing in it changes it.
-struct KnownBefore(Option<f64>);
 
 impl Meter for KnownBefore {
     fn value(&self, _: &Encounters) -> Option<f64> {
-        self.0
+        let model = &self.model.as_ref()?.declaration;
+        Plausibility::of_shipped(&self.population, model)?.tail(model, &self.person)
     }
 }

@@ -8,6 +8,7 @@ use crate::chart::{
     self, Along, Convergence, Convergences, CourseLine, Dot, First, IndividualsChart, LegendEntry, Look,
     PointMark, Rule, Slice, Strip, Strips, Tried, first_legend, with_room,
 };
+use crate::found::tail_text;
 use crate::wording::{comparison_rule, comparison_text};
 use numbers::summary::mean;
 use optimise::{Coordinate, OptimisationEnd};
@@ -29,6 +30,8 @@ pub struct SearchSection {
     objective: String,
     /// Whether there is a condition to be kept.
     keeps: bool,
+    /// Whether of somebody it is known how usual they are.
+    plausible: bool,
     rows: Vec<Row>,
     long: bool,
     figures: Vec<HtmlFigure>,
@@ -44,6 +47,7 @@ struct Row {
     predicted: String,
     fresh: String,
     first: String,
+    plausibility: String,
     evaluations: usize,
     stop: &'static str,
 }
@@ -74,6 +78,7 @@ impl SearchSection {
             dimensions: hunt.dimensions.iter().map(|one| one.quantity().label()).collect(),
             objective: hunt.objective.heading(),
             keeps: search.keep.is_some(),
+            plausible: result.found.iter().any(|found| found.plausibility.is_some()),
             rows: hunt.found.iter().map(|found| hunt.row(found)).collect(),
             long: hunt.found.len() > LONG_TABLE,
             figures: hunt.figures(),
@@ -188,6 +193,7 @@ impl Hunt<'_> {
                 None => "–".into(),
             },
             first: found.passed_first.clone().unwrap_or_else(|| "–".into()),
+            plausibility: found.plausibility.map_or_else(|| "–".into(), tail_text),
             evaluations: found.evaluations.len(),
             stop: match found.stop {
                 Some(OptimisationEnd::Budget { .. }) => "budget spent",

@@ -303,11 +303,7 @@ fn suite<'r>(
         seconds: format!("{:.2}", report.wall_time.as_secs_f64()),
         counts,
         controllers: report.controllers.iter().filter_map(controllers::in_words).collect(),
-        people: report
-            .people
-            .iter()
-            .map(|one| format!("People of {}, digest {}.", one.population, one.digest))
-            .collect(),
+        people: report.people.iter().map(|one| format!("People of {}.", one.in_words())).collect(),
         warnings: report
             .controllers
             .iter()

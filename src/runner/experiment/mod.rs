@@ -18,6 +18,7 @@ mod journal;
 mod needs;
 mod overrides;
 mod parameters;
+mod plausible;
 mod rehearsal;
 mod rounds;
 mod runs;

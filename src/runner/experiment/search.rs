@@ -8,6 +8,7 @@ use super::context::{BlockProgress, Context};
 use super::error::ExperimentError;
 use super::journal::Record;
 use super::overrides;
+use super::plausible::PlausiblePeople;
 use super::rounds::{EvaluateRound, Optimisation, optimise};
 use crate::plan;
 use numbers::random::derive_seed;
@@ -262,6 +263,7 @@ impl Under<'_> {
         let cases = cases.into_iter().collect::<Result<Vec<_>, ExperimentError>>()?.concat();
         let mut outcomes = context.run_all(1, &cases.concat())?.into_iter();
         let mut cases = cases.iter();
+        let known = PlausiblePeople::of(self.search, self.scenario);
         for (one, found) in all.iter().zip(&mut found) {
             let Some(best) = one.optimiser.best_observed() else { continue };
             let mut next = || {
@@ -270,6 +272,7 @@ impl Under<'_> {
             };
             let ((again, runs), (_, fresh)) = (next(), next());
             found.passed_first = runs.first().and_then(|outcome| context.passed_first(outcome));
+            found.plausibility = again.first().and_then(|case| known.of_case(case));
             found.kept = runs.iter().map(|outcome| self.keeps(outcome)).collect();
             found.runs = self.saved(&best.point, again, runs);
             found.fresh = self.objective(&fresh).0;
@@ -294,6 +297,7 @@ impl Under<'_> {
             fresh: None,
             fresh_runs: 0,
             passed_first: None,
+            plausibility: None,
             evaluations,
             stop: optimiser.stop_reason(),
             slices: Vec::new(),

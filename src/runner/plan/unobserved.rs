@@ -58,6 +58,7 @@ pub fn people_used(suite: &Suite, digests: &BTreeMap<String, String>) -> Vec<Peo
     let one = |(population, digest): (&String, &String)| PeopleUsed {
         population: population.clone(),
         digest: digest.clone(),
+        version: scenario::population::shipped_version(population),
         warning: warnings.remove(population),
     };
     digests.iter().map(one).collect()

@@ -36,8 +36,8 @@ fn shipped(name: &str) -> Population {
 #[test]
 fn humans_are_those_that_pages_speak_of() {
     let humans = shipped(HUMANS);
-    assert_eq!(humans.digest(), "bc9872f195ce1122");
-    assert_eq!((humans.individuals.len(), humans.len()), (2000, 10_000));
+    assert_eq!(humans.digest(), "be4f4ad391deecde");
+    assert_eq!((humans.individuals.len(), humans.len()), (5000, 10_000));
     assert_eq!(humans.observed_speeds(), Some((50.0 / 3.6, 50.0 / 3.6)));
     assert!(humans.source.contains("CC BY-NC-SA 4.0") && humans.source.contains("less consistent"));
     for what in ["tool", "matched", "observations", "candidates", "effective_size", "conditions", "warnings"]
@@ -80,9 +80,9 @@ fn of_whom_a_population_says_nothing_nothing_is_said() {
         plausibility.tail(&model, &person)
     };
     assert!(plausibility.tail(&model, &usual).unwrap() > 0.0);
-    // Nobody is like that.
-    assert_eq!(with("T_delta", Value::Number(1.0)), Some(0.0));
-    assert_eq!(with("ped_free_speed", Value::Number(5.0)), Some(0.0));
+    // Nobody is like that, but for somebody of nearly no weight who is as alone.
+    assert!(with("T_delta", Value::Number(1.0)).unwrap() < 1e-6);
+    assert!(with("ped_free_speed", Value::Number(5.0)).unwrap() < 1e-6);
     assert_eq!(with("beta_V", Value::Number(0.0)), Some(0.0));
     // Not a person of whom they tell: however usual the rest is, that is no reason to call it plausible.
     assert_eq!(with("T_s", Value::Number(3.0)), None);

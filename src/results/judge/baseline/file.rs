@@ -146,6 +146,9 @@ impl Baseline {
         if !self.populations.is_empty() {
             line(1, &format!("\"populations\": {},", json(&self.populations)));
         }
+        if !self.population_versions.is_empty() {
+            line(1, &format!("\"population_versions\": {},", json(&self.population_versions)));
+        }
         if !self.programs.is_empty() {
             line(1, &format!("\"programs\": {},", json(&self.programs)));
         }
@@ -292,6 +295,8 @@ struct File {
     #[serde(default)]
     populations: BTreeMap<String, String>,
     #[serde(default)]
+    population_versions: BTreeMap<String, u32>,
+    #[serde(default)]
     programs: BTreeMap<String, String>,
     #[serde(default)]
     what_runs: BTreeMap<String, String>,
@@ -351,6 +356,7 @@ impl File {
             set,
             tool,
             populations,
+            population_versions,
             programs,
             what_runs,
             nondeterministic,
@@ -378,6 +384,7 @@ impl File {
             set,
             tool,
             populations,
+            population_versions,
             programs,
             what_runs,
             nondeterministic,

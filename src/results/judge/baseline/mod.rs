@@ -31,6 +31,9 @@ pub struct Baseline {
     pub tool: String,
     /// Digests of everybody in the populations that people were drawn from, by the names of their files.
     pub populations: BTreeMap<String, String>,
+    /// Which version it was, of those of them that ship with the program.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub population_versions: BTreeMap<String, u32>,
     /// Names and versions that programs under test say of themselves, by what the files call them.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub programs: BTreeMap<String, String>,

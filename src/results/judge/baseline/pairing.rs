@@ -245,7 +245,15 @@ fn other_populations(base: &Baseline, candidate: &Baseline, same_seeds: bool) ->
         Some(now) => now != *digest,
         None => !candidate.populations.values().any(|now| now == *digest),
     });
-    let gone: Vec<String> = gone.map(|(name, _)| name.clone()).collect();
+    // Of one that ships it is said which version is which: nobody has changed a file.
+    let in_words = |name: &String| {
+        let (then, now) = (base.population_versions.get(name), candidate.population_versions.get(name));
+        match then.zip(now) {
+            Some((then, now)) if then != now => format!("{name} (version {then} there, {now} here)"),
+            _ => name.clone(),
+        }
+    };
+    let gone: Vec<String> = gone.map(|(name, _)| in_words(name)).collect();
     (!gone.is_empty()).then_some(Incompatible::Populations(gone))
 }
 

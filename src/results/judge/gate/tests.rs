@@ -54,6 +54,7 @@ fn baseline(
         set: Vec::new(),
         tool: "0".into(),
         populations: BTreeMap::new(),
+        population_versions: BTreeMap::new(),
         programs: BTreeMap::new(),
         what_runs: BTreeMap::new(),
         nondeterministic: BTreeMap::new(),
@@ -459,6 +460,15 @@ fn another_population_is_refused_whatever_the_seed() {
         assert_eq!(changed, [Incompatible::Populations(vec!["people.csv".to_string()])]);
         assert!(pair(&base, &of(seed, &[("folk.csv", "b")]), false).is_err());
     }
+    // Of one that ships it is said which version each is.
+    let shipped = |version, digest| Baseline {
+        population_versions: BTreeMap::from([("humans".to_string(), version)]),
+        ..of(1, &[("humans", digest)])
+    };
+    let changed = pair(&shipped(1, "a"), &shipped(2, "b"), false).unwrap_err();
+    assert_eq!(changed, [Incompatible::Populations(vec!["humans (version 1 there, 2 here)".to_string()])]);
+    // What is in it decides, not what it is called.
+    assert!(pair(&shipped(1, "a"), &shipped(2, "a"), false).is_ok());
     // A baseline from before populations were noted: on the same seeds their people are compared one by one.
     let old = of(1, &[]);
     assert!(pair(&old, &of(1, &[("people.csv", "a")]), false).is_ok());

@@ -19,7 +19,7 @@ use numbers::random::derive_seed;
 use observed::Observed;
 use record::HeldRecord;
 use results::{CalibrateResult, CalibratedCondition, CalibratedShare, Requests};
-use scenario::{Calibrate, ObservedRow, Scenario};
+use scenario::{Calibrate, ObservedRow};
 use trial::{CandidateTrial, ObservedCondition, conditions, failed};
 use weigh::{Features, Weighing, mean, percent, rms};
 
@@ -43,8 +43,11 @@ pub fn run_calibrate(
     let seed = derive_seed(context.suite.seed, &format!("calibrate/{}", block.name));
     let conditions = conditions(context, block)?;
     let candidates = WeighedCandidates::of(block, context.scenario(&block.scenarios[0])?, seed)?;
-    let scenarios: Vec<&Scenario> = conditions.iter().map(|one| &one.scenario).collect();
-    let inputs = (block, seed, &candidates.names, &candidates.rows, &candidates.variant, scenarios);
+    // What decides what candidates do; how they are weighed can be said otherwise, and the same runs go on being known.
+    let asked = (&block.condition, block.runs, &block.compared, seed);
+    let people = (&candidates.names, &candidates.rows, &candidates.variant);
+    let places: Vec<_> = conditions.iter().map(|one| (&one.scenario, one.label())).collect();
+    let inputs = (asked, people, places);
     let mut record = HeldRecord::open(context.journals.as_deref(), &block.name, &inputs, conditions.len())
         .map_err(|error| failed(format!("its journal: {error}"), None))?;
     context.tell(record.notice.as_deref());

@@ -6,6 +6,7 @@ use super::*;
 use crate::experiment::search::with_individuals;
 use crate::run::Shuffled;
 use results::{BlockResult, MetricSummary, SearchResult, TuneResult, Violations};
+use scenario::population::{HUMANS, Plausibility, Population};
 
 fn run(suite: &Suite, journals: Option<std::path::PathBuf>) -> (SearchResult, TuneResult) {
     run_by(threads(), suite, journals)
@@ -43,6 +44,12 @@ fn a_search_and_a_tune_on_what_it_found() {
         let values = one.evaluations.iter().filter_map(|(_, value)| *value);
         assert_eq!(one.observed, values.reduce(f64::min), "the best is the smallest that was seen");
         assert!(one.fresh.is_some() && one.predicted.is_some() && one.passed_first.is_some());
+        // As the metric says of the same person.
+        let model = standard().pedestrians().get("commotions").unwrap().declaration.clone();
+        let humans = Population::parse(HUMANS, None, &model, None).unwrap();
+        let person = model.resolve(&one.individuals[0].parameters).unwrap();
+        assert_eq!(one.plausibility, Plausibility::of(&humans).unwrap().tail(&model, &person));
+        assert!(one.plausibility.is_some_and(|tail| (0.0..=1.0).contains(&tail)));
     }
     assert_eq!(found.kept.cases.len(), 3);
     assert_eq!(tuned.cases, 3);
