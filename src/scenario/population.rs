@@ -26,7 +26,7 @@ pub const HUMANS: &str = "humans";
 /// The populations that are part of the program: name, version, text.
 const SHIPPED: [(&str, u32, &str); 2] = [
     (STANDARD, 1, include_str!("population/standard.json")),
-    (HUMANS, 2, include_str!("population/humans.json")),
+    (HUMANS, 1, include_str!("population/humans.json")),
 ];
 
 /// Whose people they are.
