@@ -161,7 +161,7 @@ fn rate(
     };
     let mut refuse = |message: String, hint: String| {
         report.push(
-            Diagnostic::new(Code::BadGate, node.span(), message).label("has no better or worse").hint(hint),
+            Diagnostic::new(Code::BadGate, node.span(), message).label("cannot be compared").hint(hint),
         );
         None
     };

@@ -291,7 +291,11 @@ impl<'a> Asker<'a, '_> {
             tolerance: self.terms.tolerance,
             notation: self.terms.notation,
             metric: self.recorded,
-            label: label.clone(),
+            label: match about {
+                // Of the value, whatever is asked of it.
+                About::Existence(_) => self.recorded.label.clone(),
+                _ => label.clone(),
+            },
             about,
             place,
             pairs: pairs.clone(),

@@ -69,9 +69,8 @@ fn runs_without_the_metric_count_as_it_says_or_not_at_all() {
     assert_eq!((verdict.verdict, verdict.checks[0].candidate), (Verdict::Failed, 0.4));
     // Of who came so near nobody can say: pairs of two values are compared, and what lost its value never holds.
     let verdict = judge(&[of_pet(0.5)], &with("pet", 100, 3.0), &with("pet", 60, 3.0));
-    let of = |subject| outcome(&verdict, "rate(pet)", subject);
-    assert_eq!(of(ComparedSubject::Rate).runs, 60);
-    assert_eq!(of(ComparedSubject::Existence).outcome, CheckOutcome::NotShown);
+    assert_eq!(outcome(&verdict, "rate(pet)", ComparedSubject::Rate).runs, 60);
+    assert_eq!(outcome(&verdict, "pet", ComparedSubject::Existence).outcome, CheckOutcome::NotShown);
     // Unless the rule says what they are.
     let mut said = of_pet(0.0);
     said.rate.as_mut().unwrap().when_undefined = WhenUndefined::Passes;
