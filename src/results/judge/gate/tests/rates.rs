@@ -113,11 +113,11 @@ fn what_changes_together_shares_less_of_the_error() {
 /// The same pairs that change by chance only, in all metrics alike: as seldom as stated.
 #[test]
 fn metrics_that_depend_on_each_other_raise_no_more_false_alarms_than_stated() {
-    let alarms = (0..400_u64).filter(|experiment| {
+    let alarms = (0..200_u64).filter(|experiment| {
         let change = |run: usize| Stream::seeded(experiment * 1000 + run as u64).normal();
         alike(change).verdict == Verdict::Failed
     });
-    // 10 are stated, three standard errors are 9.4; and not all of them are left unused.
+    // 5 are stated, three standard errors are 6.6; and not all of them are left unused.
     let alarms = alarms.count();
-    assert!((1..=19).contains(&alarms), "{alarms}");
+    assert!((1..=11).contains(&alarms), "{alarms}");
 }
