@@ -39,6 +39,24 @@ fn intervals(runs: usize) {
                 .filter(|interval| interval.low.is_finite() || interval.high.is_finite())
         });
     }
+    for (name, truth, draw) in DISTRIBUTIONS {
+        // Five trials whose means are 0, 2, … 8 above that of the distribution.
+        row("the same, five trials", name, runs, *truth, *draw, |values, seed| {
+            in_trials(&[values.len() / 5; 5], values, seed)
+        });
+    }
+    for (name, truth, draw) in SPARSE {
+        row("the same, one trial", name, runs, *truth, *draw, |values, seed| {
+            in_trials(&[values.len()], values, seed)
+        });
+        row("the same, five trials", name, runs, *truth, *draw, |values, seed| {
+            in_trials(&[values.len() / 5; 5], values, seed)
+        });
+        let half = values_of_unequal(runs);
+        row("the same, unequal trials", name, runs, *truth, *draw, move |values, seed| {
+            in_trials(&half, values, seed)
+        });
+    }
     row("paired difference", "of exponentials", runs, 0.0, of_exponentials, |values, seed| {
         Some(MeanChange::new(values.to_vec(), seed)?.interval(CONFIDENCE))
     });
@@ -101,6 +119,40 @@ fn intervals(runs: usize) {
     }
 }
 
+/// Half of the runs in one trial, a quarter in the next, and so on.
+fn values_of_unequal(runs: usize) -> Vec<usize> {
+    let mut left = runs;
+    let mut sizes = Vec::new();
+    for trial in 0..5 {
+        let own = if trial == 4 { left } else { left / 2 };
+        sizes.push(own);
+        left -= own;
+    }
+    sizes
+}
+
+/// Of the mean over trials of so many runs each, of which the second is 2 above the first and so on; without that again.
+fn in_trials(sizes: &[usize], values: &[f64], seed: u64) -> Option<Interval> {
+    let mut rest = values;
+    let mut raised = 0.0;
+    let trials = sizes.iter().enumerate().map(|(trial, size)| {
+        let own;
+        (own, rest) = rest.split_at(*size);
+        raised += 2.0 * (trial * own.len()) as f64 / values.len() as f64;
+        own.iter().map(|one| 2.0 * trial as f64 + one).collect()
+    });
+    let trials = trials.collect();
+    let found = MeanChange::stratified(trials, seed)?.interval(CONFIDENCE);
+    Some(Interval { low: found.low - raised, high: found.high - raised })
+}
+
+/// As differences of runs on equal seeds: mostly none.
+const SPARSE: &[(&str, f64, Draw)] = &[
+    ("one in five", 0.2, |stream| if stream.uniform() < 0.8 { 0.0 } else { exponential(stream) }),
+    ("one in twenty", 0.05, |stream| if stream.uniform() < 0.95 { 0.0 } else { exponential(stream) }),
+    ("four in five", 0.8, |stream| f64::from(stream.uniform() < 0.8)),
+];
+
 type Draw = fn(&mut Stream) -> f64;
 
 /// What each end has to hold for both to hold as stated.
@@ -162,6 +214,14 @@ fn squared_normal(stream: &mut Stream) -> f64 {
     normal * normal
 }
 
+/// Whether rows of this name are asked for: all unless some are named.
+fn wanted(interval: &str) -> bool {
+    let mut words =
+        std::env::args().skip(1).filter(|word| !word.starts_with('-') && word.parse::<usize>().is_err());
+    let asked: Vec<String> = words.by_ref().collect();
+    asked.is_empty() || asked.iter().any(|word| interval.contains(&**word))
+}
+
 fn row(
     interval: &str,
     values: &str,
@@ -170,6 +230,9 @@ fn row(
     draw: Draw,
     find: impl Fn(&[f64], u64) -> Option<Interval> + Sync,
 ) {
+    if !wanted(interval) {
+        return;
+    }
     let found = |seed: u64| {
         let mut stream = Stream::seeded(20_261_121 + seed);
         let sample: Vec<f64> = (0..runs).map(|_| draw(&mut stream)).collect();
@@ -234,6 +297,9 @@ fn student(values: &[f64], bound: f64) -> f64 {
 }
 
 fn family(truth: &str, differences: &str, runs: usize, p_value: impl Fn(&mut Stream) -> f64 + Sync) {
+    if !wanted(truth) {
+        return;
+    }
     let alarm = |seed: u64| {
         let mut stream = Stream::seeded(77_000_000 + seed);
         let p_values: Vec<f64> = (0..FAMILY).map(|_| p_value(&mut stream)).collect();

@@ -4,8 +4,9 @@
 
 use std::path::Path;
 
-use files::Disk;
+use files::{Disk, Memory};
 use models::standard;
+use numbers::random::Stream;
 use results::judge::baseline::Baseline;
 use results::judge::gate::{blanket_rule, judge_gate};
 use results::{Check, CheckOutcome, ComparedSubject, GateVerdict, Requests, Verdict};
@@ -17,10 +18,124 @@ use scenario::{Expression, Gate, Suite, Value};
 const RERUNS: u64 = 200;
 
 fn main() {
+    let asked: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with('-')).collect();
+    let wanted = |part: &str| asked.is_empty() || asked.iter().any(|one| one == part);
+    if wanted("braking") || wanted("reruns") {
+        zebra_gate(wanted("braking"), wanted("reruns"));
+    }
+    if wanted("zebra") {
+        zebra();
+    }
+    if wanted("chance") {
+        by_chance();
+    }
+}
+
+/// A suite of 1,000 runs in which nobody is hit.
+const THOUSAND: &str = "suite thousand {
+  scenario late_walker {
+    road { lane_width 4 m; speed_limit 30 km/h; crossing zebra }
+    vehicle av {
+      controller carla_behavior { profile: normal, obstacle_distance: extended }
+      speed 30 km/h
+    }
+    pedestrian walker {
+      model carla_walker
+      size 0.375 m x 0.375 m
+      start 4 m from lane centre, 2 m from kerb
+      appears when time_to_arrival(av) = tta
+    }
+    vary tta in [4 s, 4.5 s, 5 s, 5.5 s, 6 s]
+    repeat 200
+    expect { rate(collision) <= 5 % }
+  }
+  gate careful {
+    baseline \"thousand.json\"
+    no metric worse by more than 5 % with 95 % confidence
+    primary collision not worse
+    rate(pet < 1.5 s) not worse by more than 2 %
+  }
+  gate strict {
+    baseline \"thousand.json\"
+    no metric worse
+    collision not worse
+    rate(pet < 1.5 s) not worse
+  }
+}
+";
+
+/// How often gates fail by chance, and how often for a rise of collisions from 0 to 1 %: pairs of that suite on different seeds.
+/// Collisions are flags that are set by lot in 1 % of the candidate's runs, whatever else happened in them.
+fn by_chance() {
+    const PAIRS: u64 = 400;
+    let files = Memory::default().with("thousand.suite", THOUSAND);
+    let found = lang::load(Path::new("thousand.suite"), &standard(), &files);
+    let suite = found.unwrap_or_else(|_| panic!("it is a suite")).suite;
+    let seeded = |seed| runs(&Suite { seed, ..suite.clone() });
+    println!("\n{PAIRS} pairs of other seeds of a suite of {} runs:", seeded(1).runs());
+    let mut counts = vec![[0; 3]; suite.gates.len()];
+    let mut collisions = 0.0;
+    for pair in 0..PAIRS {
+        let (base, candidate) = (seeded(2 * pair + 1), seeded(2 * pair + 2));
+        let column = base.metrics.iter().position(|one| one.label == "collision").expect("it is measured");
+        let flags = |side: &Baseline| {
+            side.trials.iter().flat_map(|trial| trial.values[column].clone()).flatten().sum::<f64>()
+        };
+        collisions += flags(&base) + flags(&candidate);
+        let mut hit = candidate.clone();
+        let mut lot = Stream::seeded(pair);
+        for value in hit.trials.iter_mut().flat_map(|trial| &mut trial.values[column]) {
+            if lot.uniform() < 0.01 {
+                *value = Some(1.0);
+            }
+        }
+        for (gate, counts) in suite.gates.iter().zip(&mut counts) {
+            let verdict = judge(gate, &base, &candidate);
+            counts[0] += u64::from(verdict.verdict == Verdict::Failed);
+            if verdict.verdict == Verdict::Failed {
+                println!("  pair {pair}, nothing changed, gate {}: {}", gate.name, in_words(&verdict));
+            }
+            let of_collisions =
+                |check: &Check| check.label == "collision" && check.outcome == CheckOutcome::Regressed;
+            counts[1] += u64::from(judge(gate, &base, &hit).checks.iter().any(of_collisions));
+            // As Holm's correction would have it.
+            let holm = |verdict: &GateVerdict| {
+                let shared: Vec<f64> = verdict.checks.iter().filter_map(|check| check.p_value).collect();
+                verdict.primary == 0 && numbers::inference::holm(&shared).iter().any(|p| *p <= 0.025)
+            };
+            counts[2] += u64::from(holm(&verdict));
+        }
+    }
+    println!("  collisions in those runs: {collisions}");
+    for (gate, [alarms, seen, by_holm]) in suite.gates.iter().zip(counts) {
+        let percent = |count: u64| 100.0 * count as f64 / PAIRS as f64;
+        println!(
+            "  gate {}: {:.2} % false alarms, a rise of collisions from 0 to 1 % seen in {:.1} %",
+            gate.name,
+            percent(alarms),
+            percent(seen)
+        );
+        if gate.rules.iter().all(|rule| !rule.primary) {
+            println!("    false alarms by Holm's correction: {:.2} %", percent(by_holm));
+        }
+    }
+}
+
+/// `suites/zebra_gate.suite` with its own gate: braking that is worse, and reruns in which nothing is.
+fn zebra_gate(braking: bool, reruns: bool) {
     let suite = suite("suites/zebra_gate.suite");
     let gate = &suite.gates[0];
     let base = runs(&suite);
     println!("suites/zebra_gate.suite, {} runs, seed {}", base.runs(), suite.seed);
+    if braking {
+        worse_braking(&suite, gate, &base);
+    }
+    if reruns {
+        other_seeds(&suite, gate, &base);
+    }
+}
+
+fn worse_braking(suite: &Suite, gate: &Gate, base: &Baseline) {
     println!("\nbraking worse by some percent, same seeds:");
     for (what, parameter, declared, worse) in [
         ("brakes later", "braking_distance", 5.0, later as fn(f64, f64) -> f64),
@@ -28,16 +143,19 @@ fn main() {
     ] {
         for percent in [0.5, 1.0, 2.0, 3.0, 5.0, 10.0] {
             let value = worse(declared, percent);
-            let verdict = judge(gate, &base, &runs(&with(&suite, parameter, value)));
+            let verdict = judge(gate, base, &runs(&with(suite, parameter, value)));
             println!("  {what:<20} by {percent:>4} % ({parameter} {value:.4}): {}", in_words(&verdict));
         }
     }
+}
+
+fn other_seeds(suite: &Suite, gate: &Gate, base: &Baseline) {
     println!("\n{RERUNS} reruns with other seeds, nothing changed:");
     let mut alarms = 0;
     let mut not_shown = 0;
     let mut comparisons = 0;
     for seed in 1..=RERUNS {
-        let verdict = judge(gate, &base, &runs(&Suite { seed, ..suite.clone() }));
+        let verdict = judge(gate, base, &runs(&Suite { seed, ..suite.clone() }));
         if verdict.verdict != Verdict::Passed {
             alarms += 1;
             println!("  seed {seed}: {}", in_words(&verdict));
@@ -50,7 +168,6 @@ fn main() {
         "  {:.0} % of the comparisons were not shown either way",
         100.0 * not_shown as f64 / comparisons as f64
     );
-    zebra();
 }
 
 /// `suites/zebra.suite` as it ships, and with more runs: nobody needs to brake in most of them.

@@ -147,6 +147,7 @@ impl Session {
                 seed: u64::MAX,
                 set: Vec::new(),
                 tested: Vec::new(),
+                earlier_seeds: Vec::new(),
             },
             program: Program::this(),
             started: SystemTime::UNIX_EPOCH + Duration::from_secs(1_795_250_000),

@@ -300,7 +300,7 @@ pub fn sentence(check: &Check) -> String {
     }
     let why = match check.adjusted_p_value {
         None => "there is no chance in it".to_string(),
-        Some(p) => format!("p = {} after Holm's correction", significant(p, 2)),
+        Some(p) => format!("p = {}, corrected for all comparisons", significant(p, 2)),
     };
     format!(
         "{} in {}: {} -> {}, worse by {} where {} is tolerated; {why}",

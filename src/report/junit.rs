@@ -107,6 +107,7 @@ fn suite_properties(report: &SuiteReport) -> Vec<(String, String)> {
         ("file".to_string(), report.identity.file.to_string()),
         ("tool".to_string(), format!("scenario-runner {}", report.program.version)),
     ];
+    properties.extend(report.identity.tried_words().map(|tried| ("seeds".to_string(), tried)));
     if report.interrupted {
         properties.push(("interrupted".to_string(), interruption(report)));
     }

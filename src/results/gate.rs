@@ -252,7 +252,7 @@ pub struct Check {
     pub larger_is_worse: bool,
     /// Of "it is not worse by more than the tolerance".
     pub p_value: Option<f64>,
-    /// The same after Holm's correction for all comparisons of the gate of its kind, and doubled where there are primary ones and others.
+    /// The same corrected for all comparisons of the gate of its kind, and doubled where there are primary ones and others.
     pub adjusted_p_value: Option<f64>,
     /// What it would have caught.
     pub power: Power,

@@ -79,7 +79,7 @@ pub use skip::{Skip, Stopping};
 pub use standing::Standing;
 pub use statement::{ClaimResult, ClaimValues, Conclusion, StatementResult, TrendPoint};
 pub use suite::{
-    PeopleUsed, Program, SuiteIdentity, SuiteReport, is_use, is_value, record_command, set_options,
+    PeopleUsed, Program, SuiteIdentity, SuiteReport, TriedSeed, is_use, is_value, record_command, set_options,
 };
 pub use summary::{
     AppliedCriteria, MOST_SHOWN, NearestRun, PassedTrial, ScenarioSummary, StandingCount, SuiteSummary,

@@ -18,6 +18,9 @@ use super::trial::TrialReport;
 use numbers::json;
 use scenario::TestedInstead;
 
+/// More seeds are counted, not named.
+const MOST_SEEDS_NAMED: usize = 10;
+
 /// Which suite was run, and how to run it again.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SuiteIdentity {
@@ -34,18 +37,60 @@ pub struct SuiteIdentity {
     /// Controllers in the place of those that its scenarios name.
     #[serde(default)]
     pub tested: Vec<TestedInstead>,
+    /// Other seeds that were tried before, if some of them did not pass, in the order in which they first were. Who tries seeds until
+    /// one passes has shown nothing.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub earlier_seeds: Vec<TriedSeed>,
+}
+
+/// A seed that the same suite was run with before.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TriedSeed {
+    /// The suite's.
+    #[serde(with = "json::whole")]
+    pub seed: u64,
+    /// Whether all of it passed when it was last run with it.
+    pub passed: bool,
 }
 
 impl SuiteIdentity {
     /// `seed 1`, or `seed 1, with av.speed=40km/h, av: my_av instead of carla_behavior` where the runs are not those that the
-    /// scenarios declare.
+    /// scenarios declare; with `(the 3rd seed tried, of those before 2 did not pass: 1, 2)` if others did not pass.
     pub fn seed_words(&self) -> String {
         let values = self.set.iter().filter(|one| is_value(one)).cloned();
         let otherwise: Vec<String> = values.chain(self.tested.iter().map(ToString::to_string)).collect();
+        let seed = match self.tried_words() {
+            Some(tried) => format!("seed {} ({tried})", self.seed),
+            None => format!("seed {}", self.seed),
+        };
         match &otherwise[..] {
-            [] => format!("seed {}", self.seed),
-            otherwise => format!("seed {}, with {}", self.seed, otherwise.join(", ")),
+            [] => seed,
+            otherwise => format!("{seed}, with {}", otherwise.join(", ")),
         }
+    }
+
+    /// `the 3rd seed tried; of those before 2 did not pass: 1, 2`; `None` if none is known that did not.
+    pub fn tried_words(&self) -> Option<String> {
+        let failed: Vec<String> =
+            self.earlier_seeds.iter().filter(|one| !one.passed).map(|one| one.seed.to_string()).collect();
+        let number = self.earlier_seeds.len() + 1;
+        let ending = match (number % 10, number % 100) {
+            (_, 11..=13) => "th",
+            (1, _) => "st",
+            (2, _) => "nd",
+            (3, _) => "rd",
+            _ => "th",
+        };
+        let shown = match &failed[..] {
+            [] => return None,
+            few if few.len() <= MOST_SEEDS_NAMED => few.join(", "),
+            many => format!("{}, …", many[..MOST_SEEDS_NAMED].join(", ")),
+        };
+        Some(format!(
+            "the {number}{ending} seed tried; of those before {} did not pass: {shown}",
+            failed.len()
+        ))
     }
 
     /// What to type to see one run again.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{MetricReference, Notation, Origin};
+use super::{MetricReference, Notation, Origin, Relation, WhenUndefined};
 
 /// A comparison with a baseline that a change must survive.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -24,6 +24,9 @@ pub struct Gate {
 pub struct GateRule {
     /// `None`: every quantity that the suite measures and no other rule of the gate names.
     pub metric: Option<MetricReference>,
+    /// What of the metric is compared: the share of runs in which this holds. `None`: its value, or the share of runs with a yes.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rate: Option<GateRate>,
     /// How much worse is accepted.
     pub tolerance: Tolerance,
     /// Whether it shares its error with other primary rules alone, not with all comparisons of the gate.
@@ -40,11 +43,26 @@ pub struct GateRule {
     pub origin: Origin,
 }
 
+/// `rate(pet < 1.5 s)`: whether the metric of a run compares so.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct GateRate {
+    /// How the metric must compare to the bound.
+    pub relation: Relation,
+    /// SI units; flags compare to 0 and 1.
+    pub bound: f64,
+    /// What it says of a run in which the metric does not exist.
+    pub when_undefined: WhenUndefined,
+    /// Whether more runs in which it holds are worse.
+    pub bad: bool,
+    /// In canonical words, such as `rate(pet < 1.5 s)`.
+    pub text: String,
+}
+
 /// How much worse is still acceptable.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Tolerance {
-    /// A share of the baseline's mean; of metrics that are true or false, a difference of rates.
+    /// A share of the baseline's mean; of metrics that are true or false, and of rates, a difference of rates.
     Relative(f64),
     /// In the metric's SI unit.
     Absolute(f64),

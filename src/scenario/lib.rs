@@ -102,7 +102,7 @@ pub use entry::{
 pub use estimate::{Estimate, EstimateClaim, EstimateMethod, FEWEST_ESTIMATE_RUNS};
 pub use evaluate::{Condition, Evaluate, Measure, ParameterSet};
 pub use expression::{BinaryOperator, EvaluationError, Expression};
-pub use gate::{Gate, GateRule, Tolerance};
+pub use gate::{Gate, GateRate, GateRule, Tolerance};
 pub use ground::{DeclaredGround, GRAVITY, Ground};
 pub use individuals::{Individuals, PopulationShare};
 pub use known_distribution::{DrawnValue, KnownDistribution, at_share};

@@ -345,3 +345,58 @@ fn what_a_gate_will_see_is_said_when_its_baseline_is_saved() {
     let output = scenario_runner(folder.path(), &["baseline", "save", "before.suite", "--out", "b.json"]);
     assert_eq!(stdout(&output).lines().count(), 1);
 }
+
+/// Who tries seeds until one passes has shown nothing, and every report says so; until those that failed pass.
+#[test]
+fn seeds_that_were_tried_and_did_not_pass_are_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let suite = |bound: &str| {
+        fs::write(
+            folder.path().join("s.suite"),
+            format!(
+                "suite s {{
+  scenario walk {{
+    road {{ lane_width 4 m; speed_limit 30 km/h; crossing zebra }}
+    vehicle av {{ controller constant_speed; speed 30 km/h; start 60 m before crossing }}
+    pedestrian walker {{ model scripted; start 2 m from kerb; appears at 0 s }}
+    expect {{ max_deceleration {bound} }}
+  }}
+}}
+"
+            ),
+        )
+        .unwrap();
+    };
+    let run = |arguments: &[&str]| {
+        let output = scenario_runner(folder.path(), &[&["s.suite"], arguments].concat());
+        (code(&output), stdout(&output))
+    };
+    let store = folder.path().join(".scenario-runner/seeds.json");
+    // Nothing is remembered of what passes.
+    suite("<= 9 m/s^2");
+    assert_eq!(run(&["--seed", "7"]).0, 0);
+    assert!(!store.exists());
+    suite("> 9 m/s^2");
+    for seed in ["1", "2", "2"] {
+        assert_eq!(run(&["--seed", seed]).0, 100);
+    }
+    suite("<= 9 m/s^2");
+    let files = ["--json", "r.json", "--junit", "j.xml", "--html", "r.html"];
+    let (code, text) = run(&[&["--seed", "3"][..], &files].concat());
+    let said = "the 3rd seed tried; of those before 2 did not pass: 1, 2";
+    assert!(code == 0 && text.contains(&format!("seed 3 ({said})")), "{text}");
+    let report = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&report("r.json")).unwrap();
+    let earlier = serde_json::json!([{ "seed": 1, "passed": false }, { "seed": 2, "passed": false }]);
+    assert_eq!(json["suites"][0]["earlier_seeds"], earlier);
+    for name in ["j.xml", "r.html"] {
+        assert!(report(name).contains(said), "{name}");
+    }
+    // A seed that passed is told as tried; those that failed are forgotten once they pass.
+    assert_eq!(run(&["--seed", "1"]).0, 0);
+    let (_, text) = run(&["--seed", "4"]);
+    assert!(text.contains("seed 4 (the 4th seed tried; of those before 1 did not pass: 2)"), "{text}");
+    let (_, text) = run(&["--seed", "2"]);
+    assert!(!text.contains("tried"), "{text}");
+    assert!(!store.exists());
+}

@@ -6,6 +6,7 @@ pub mod output;
 pub mod parent;
 mod partition;
 mod remember;
+mod seeds;
 mod select;
 pub mod targets;
 pub mod watch;
@@ -34,6 +35,7 @@ use scenario::registry::Registry;
 use self::listed::{ListFormat, list};
 use self::parent::ServedByParent;
 pub use self::remember::LastRun;
+use self::seeds::TriedSeeds;
 
 #[derive(Debug, Args)]
 pub struct RunArguments {
@@ -328,11 +330,19 @@ pub fn run(arguments: RunArguments, registry: &Registry, program: &Command) -> E
     let watcher =
         arguments.trace.as_deref().map(|folder| watch::Traces::new(folder, arguments.trace_columns));
     let watch = watcher.as_ref().map(|traces| |case: &_, trace: &_| traces.save(case, trace));
+    let mut tried = TriedSeeds::read().unwrap_or_else(|error| {
+        writeln!(
+            stderr(),
+            "warning: which seeds were tried before cannot be read, and is forgotten: {error}"
+        );
+        TriedSeeds::default()
+    });
     let mut session = Session::new(&project)
         .executor(threads)
         .journals(&arguments.journal)
         .stopped_by(&stop)
         .verify_runs(arguments.verify.runs())
+        .after_seeds(tried.earlier(suites))
         .lenient_gates(arguments.baseline_lenient)
         .courses(arguments.output.draw_runs())
         .every_trial(arguments.output.need_every_trial(in_github_actions()));
@@ -359,6 +369,10 @@ pub fn run(arguments: RunArguments, registry: &Registry, program: &Command) -> E
     complaints.extend(wire::write(arguments.record_wire.as_deref(), processes.as_deref()));
     complaints.extend(remember::failures(&arguments.remember, suites, reports, &results.requests));
     last.learn_gates(reports);
+    tried.learn(reports);
+    if let Err(error) = tried.write() {
+        writeln!(stderr(), "warning: cannot remember which seeds were tried: {error}");
+    }
     if let Err(error) = last.write() {
         writeln!(stderr(), "warning: cannot remember what failed: {error}");
     }

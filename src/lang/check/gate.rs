@@ -11,7 +11,11 @@ use crate::diagnostic::Diagnostic;
 use crate::syntax;
 use crate::syntax::ast;
 use crate::value::{self, NameScope, ValueKind};
-use scenario::{Dimension, Gate, GateRule, MetricKind, Notation, Tolerance, Worst};
+use scenario::{
+    Dimension, Expression, Gate, GateRate, GateRule, Metric, MetricKind, MetricReference, Notation, Relation,
+    Tolerance, Value, Worst,
+};
+use std::sync::Arc;
 
 /// What a rule promises that does not say how sure it wants to be.
 pub const DEFAULT_CONFIDENCE: f64 = 0.95;
@@ -101,19 +105,33 @@ fn rule(
         }
         None => None,
     };
+    let rate = match node.rate() {
+        Some(node) => Some(rate(node, cast, scope, report)?),
+        None => None,
+    };
+    let (metric, rate) = match rate {
+        Some((metric, rate)) => (Some(metric), Some(rate)),
+        None => (metric, None),
+    };
+    let kind = match &rate {
+        // A difference of rates, as of what is true or false.
+        Some(_) => Some(&MetricKind::Flag),
+        None => metric.as_ref().map(|(_, found)| &found.kind),
+    };
     let bound = node.tolerance().map(ast::GateTolerance::bound);
     let (tolerance, notation) = match bound {
         None => (Tolerance::Relative(0.0), None),
-        Some(bound) => tolerance(bound, metric.as_ref().map(|(_, found)| &found.kind), scope, report)?,
+        Some(bound) => tolerance(bound, kind, scope, report)?,
     };
     let said = node.confidence().map(ast::Confidence::value);
     let confidence = match said {
         Some(said) => confidence(said, scope, report)?,
         None => DEFAULT_CONFIDENCE,
     };
-    let mut text = match node.metric() {
-        Some(metric) => format!("{}{} not worse", said_first(primary), syntax::metric_text(metric)),
-        None => "no metric worse".to_string(),
+    let mut text = match (&rate, node.metric()) {
+        (Some(rate), _) => format!("{}{} not worse", said_first(primary), rate.text),
+        (None, Some(metric)) => format!("{}{} not worse", said_first(primary), syntax::metric_text(metric)),
+        (None, None) => "no metric worse".to_string(),
     };
     if let Some(bound) = bound {
         text += &format!(" by more than {}", syntax::expression(bound));
@@ -123,7 +141,72 @@ fn rule(
     }
     let metric = metric.map(|(reference, _)| reference);
     let origin = places.origin(node.span());
-    Some(GateRule { metric, tolerance, primary, confidence, text, notation, origin })
+    Some(GateRule { metric, rate, tolerance, primary, confidence, text, notation, origin })
+}
+
+/// `rate(pet < 1.5 s)`: of what, and which side of its bound is worse.
+fn rate(
+    node: ast::Rate,
+    cast: &Cast,
+    scope: &NameScope,
+    report: &mut Vec<Diagnostic>,
+) -> Option<((MetricReference, Arc<Metric>), GateRate)> {
+    let text = syntax::aggregate_text(ast::Aggregate::Rate(node));
+    let condition = node.condition();
+    let found = metric_reference(condition.metric(), cast, scope, report)?;
+    let compared = criterion::condition_of_rate(node, None, cast, scope, report)?;
+    let Expression::Constant(Value::Number(bound)) = compared.bound else {
+        let what = format!("the bound of `{}`", found.0.name());
+        return value::not_constant(condition.span(), &compared.bound, &what, report);
+    };
+    let mut refuse = |message: String, hint: String| {
+        report.push(
+            Diagnostic::new(Code::BadGate, node.span(), message).label("cannot be compared").hint(hint),
+        );
+        None
+    };
+    if !node.text().starts_with("rate") {
+        let hint = format!("say `rate({})`", syntax::condition_text(condition, node.undefined()));
+        return refuse(
+            "a gate compares shares of runs, which do not depend on how many there are".to_string(),
+            hint,
+        );
+    }
+    let larger_is_worse = match (found.1.worst, &found.1.kind) {
+        (Worst::Neither, _) | (_, MetricKind::Category(_)) => {
+            let message = format!("no value of `{}` is worse than another", found.0.name());
+            return refuse(
+                message,
+                "name a quantity that has a worse side, such as `rate(pet < 1.5 s)`".to_string(),
+            );
+        }
+        (worst, _) => worst == Worst::Largest,
+    };
+    let is_flag = found.1.kind == MetricKind::Flag;
+    let holds_above = match compared.relation {
+        Relation::Greater | Relation::GreaterOrEqual => true,
+        Relation::Less | Relation::LessOrEqual => false,
+        Relation::Equal if is_flag => bound != 0.0,
+        Relation::NotEqual if is_flag => bound == 0.0,
+        Relation::Equal | Relation::NotEqual => {
+            let message = format!(
+                "on both sides of one value of `{}` are others, one side of which is worse",
+                found.0.name()
+            );
+            return refuse(
+                message,
+                format!("compare it by `<` or `>`, such as `rate({} < …)`", found.0.name()),
+            );
+        }
+    };
+    let rate = GateRate {
+        relation: compared.relation,
+        bound,
+        when_undefined: compared.when_undefined,
+        bad: holds_above == larger_is_worse,
+        text,
+    };
+    Some((found, rate))
 }
 
 /// The confidence of a rule: all comparisons of a gate share what it leaves to chance.
@@ -174,6 +257,7 @@ fn none_new(
     }
     Some(GateRule {
         metric: Some(reference),
+        rate: None,
         tolerance: Tolerance::NoneNew { where_none_was: false },
         primary,
         confidence: DEFAULT_CONFIDENCE,

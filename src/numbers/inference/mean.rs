@@ -3,11 +3,7 @@
 //! Source: B. Efron & R. Tibshirani, An Introduction to the Bootstrap, 1993, section 12.5 (bootstrap-t).
 
 use super::Interval;
-use crate::distributions::student_quantile;
-use crate::random::Stream;
-
-/// One less than a round number, so that the wanted quantiles are resamples themselves.
-const RESAMPLES: usize = 1999;
+use super::strata::Strata;
 
 /// The mean of all runs there could be. `None` of fewer than two values, or where so few differ that resampling cannot
 /// tell, nor where none do: resampling knows of no other values than those it was given.
@@ -19,11 +15,12 @@ pub fn mean_interval(values: &[f64], confidence: f64, seed: u64) -> Option<Inter
     if values.len() < 2 {
         return None;
     }
-    let estimate = Estimate::of(values);
+    let strata = Strata::one(values.to_vec());
+    let estimate = strata.estimate();
     if estimate.error == 0.0 {
         return None;
     }
-    let interval = estimate.interval(&estimate.resampled(values, seed), values.len(), confidence);
+    let interval = estimate.interval(&strata.resampled(seed), strata.freedom(), confidence);
     (interval.low.is_finite() && interval.high.is_finite()).then_some(interval)
 }
 
@@ -36,68 +33,10 @@ pub fn paired_difference(base: &[f64], candidate: &[f64], confidence: f64, seed:
     mean_interval(&differences, confidence, seed)
 }
 
-/// A mean and its standard error.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Estimate {
-    pub value: f64,
-    pub error: f64,
-}
-
-impl Estimate {
-    /// Of at least two values.
-    pub fn of(values: &[f64]) -> Self {
-        let n = values.len() as f64;
-        let value = values.iter().sum::<f64>() / n;
-        let squares: f64 = values.iter().map(|one| (one - value) * (one - value)).sum();
-        // Equal values have no spread, whatever the rounding of their sum says.
-        let squares = if squares <= 1e-24 * n * value * value { 0.0 } else { squares };
-        Self { value, error: (squares / (n - 1.0) / n).sqrt() }
-    }
-
-    /// By how many of its own standard errors the mean of each resample is off this one; infinite where a resample has
-    /// no spread. Endless.
-    pub fn deviations<'a>(&self, values: &'a [f64], seed: u64) -> impl Iterator<Item = f64> + use<'a> {
-        let mut stream = Stream::seeded(seed);
-        let mut sample = values.to_vec();
-        let centre = self.value;
-        std::iter::repeat_with(move || {
-            // 32 bits choose among any number of runs there may be, with a bias below 1e-5 of the choice's probability.
-            let chosen = |bits: u64| values[(((bits & 0xffff_ffff) * values.len() as u64) >> 32) as usize];
-            for pair in sample.chunks_mut(2) {
-                let bits = stream.bits();
-                pair[0] = chosen(bits);
-                if let Some(second) = pair.get_mut(1) {
-                    *second = chosen(bits >> 32);
-                }
-            }
-            let again = Self::of(&sample);
-            if again.value == centre { 0.0 } else { (again.value - centre) / again.error }
-        })
-    }
-
-    /// The first resamples' deviations, sorted.
-    pub fn resampled(&self, values: &[f64], seed: u64) -> Vec<f64> {
-        let mut deviations: Vec<f64> = self.deviations(values, seed).take(RESAMPLES).collect();
-        deviations.sort_by(f64::total_cmp);
-        deviations
-    }
-
-    /// From the sorted deviations of resamples of `count` values. An end is infinite where nothing bounds it.
-    pub fn interval(&self, deviations: &[f64], count: usize, confidence: f64) -> Interval {
-        let each = (1.0 - confidence) / 2.0;
-        let student = student_quantile(1.0 - each, (count - 1) as f64);
-        let place = (each * (deviations.len() + 1) as f64).floor().max(1.0) as usize;
-        let (least, most) = (deviations[place - 1], deviations[deviations.len() - place]);
-        Interval {
-            low: self.value - most.max(student) * self.error,
-            high: self.value - least.min(-student) * self.error,
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::random::Stream;
     use crate::summary::{mean, std};
 
     /// The share of experiments in which an interval covers the truth; no interval covers nothing.

@@ -2,6 +2,7 @@
 
 mod bounded_mean;
 mod comparison;
+mod max_t;
 mod maximum_entropy;
 mod mean;
 mod paired_means;
@@ -10,10 +11,12 @@ mod quantile;
 mod sequential;
 mod share;
 mod smoothed_shares;
+mod strata;
 mod trinomial;
 
 pub use bounded_mean::{IndependentUnit, MeanWatch, mean_of_bounded, runs_for_mean};
 pub use comparison::{McNemar, holm, mcnemar};
+pub use max_t::{PairDifferences, max_t};
 pub use maximum_entropy::{
     EntropyWeights, WeightTarget, effective_size, maximum_entropy, maximum_entropy_within, nearest_mixture,
 };

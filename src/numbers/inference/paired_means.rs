@@ -7,7 +7,7 @@
 
 use super::Interval;
 use super::bounded_mean::{IndependentUnit, mean_of_bounded};
-use super::mean::Estimate;
+use super::strata::{Estimate, Strata};
 use crate::distributions::student_above;
 use crate::random::Stream;
 
@@ -18,7 +18,7 @@ const MOST_DRAWS: usize = 2_000_000;
 /// The mean difference over independent pairs.
 #[derive(Debug, Clone)]
 pub struct MeanChange {
-    differences: Vec<f64>,
+    differences: Strata,
     estimate: Estimate,
     /// Studentised deviations of the first resamples, sorted; empty where all differences are equal.
     deviations: Vec<f64>,
@@ -30,13 +30,23 @@ pub struct MeanChange {
 impl MeanChange {
     /// Of `differences`, one per pair; `None` of none. What is random is drawn from `seed`.
     pub fn new(differences: Vec<f64>, seed: u64) -> Option<Self> {
-        let estimate = match &differences[..] {
+        Self::of(Strata::one(differences), seed)
+    }
+
+    /// Of differences of several kinds of pairs, of which it is no matter of chance how many there are: a mean over all of them, whose
+    /// error is that within each kind.
+    pub fn stratified(differences: Vec<Vec<f64>>, seed: u64) -> Option<Self> {
+        Self::of(Strata::new(differences), seed)
+    }
+
+    fn of(differences: Strata, seed: u64) -> Option<Self> {
+        let estimate = match differences.values() {
             [] => return None,
             [only] => Estimate { value: *only, error: f64::INFINITY },
-            several => Estimate::of(several),
+            _ => differences.estimate(),
         };
         let varies = estimate.error > 0.0 && estimate.error.is_finite();
-        let deviations = if varies { estimate.resampled(&differences, seed) } else { Vec::new() };
+        let deviations = if varies { differences.resampled(seed) } else { Vec::new() };
         Some(Self { differences, estimate, deviations, widest: None, seed })
     }
 
@@ -47,7 +57,7 @@ impl MeanChange {
 
     /// Pairs that were told.
     pub fn pairs(&self) -> usize {
-        self.differences.len()
+        self.differences.values().len()
     }
 
     /// The mean difference.
@@ -71,7 +81,7 @@ impl MeanChange {
         }
         if error == 0.0 {
             let units: Vec<IndependentUnit> =
-                self.differences.iter().map(|one| IndependentUnit::of_run(Some(*one))).collect();
+                self.differences.values().iter().map(|one| IndependentUnit::of_run(Some(*one))).collect();
             let each = 0.5 * (1.0 + confidence);
             let bounded = self.widest.and_then(|widest| mean_of_bounded(&units, (-widest, widest), each));
             return bounded.unwrap_or(anything);
@@ -79,7 +89,7 @@ impl MeanChange {
         if self.deviations.is_empty() {
             return anything;
         }
-        self.estimate.interval(&self.deviations, self.pairs(), confidence)
+        self.estimate.interval(&self.deviations, self.freedom(), confidence)
     }
 
     /// The p-value of "the mean difference is at most `bound`". `smallest` is the smallest one that matters.
@@ -92,7 +102,7 @@ impl MeanChange {
             return 1.0;
         }
         if error == 0.0 {
-            return libm::pow(0.5, self.differences.len() as f64);
+            return libm::pow(0.5, self.pairs() as f64);
         }
         if self.deviations.is_empty() {
             return 1.0;
@@ -102,7 +112,7 @@ impl MeanChange {
         let mut p = (as_far + 1) as f64 / (self.deviations.len() + 1) as f64;
         if p < WORTH_A_CLOSER_LOOK {
             let seed = self.seed.wrapping_add(1);
-            let mut again = self.estimate.deviations(&self.differences, seed);
+            let mut again = self.differences.deviations(seed);
             p = probability(smallest, || again.next().is_some_and(|deviation| deviation >= seen));
         }
         p.max(student_above(seen, self.freedom()))
@@ -112,7 +122,8 @@ impl MeanChange {
     /// all ways to exchange base and candidate within pairs that give so large a difference. Exact for any
     /// distribution; `smallest` is the smallest p-value that matters.
     pub fn exchange(&self, smallest: f64) -> f64 {
-        let differing: Vec<f64> = self.differences.iter().copied().filter(|one| *one != 0.0).collect();
+        let differing: Vec<f64> =
+            self.differences.values().iter().copied().filter(|one| *one != 0.0).collect();
         let sum: f64 = differing.iter().sum();
         if sum <= 0.0 {
             return 1.0;
@@ -131,8 +142,9 @@ impl MeanChange {
         })
     }
 
-    fn freedom(&self) -> f64 {
-        (self.pairs() - 1) as f64
+    /// Degrees of freedom of its standard error.
+    pub fn freedom(&self) -> f64 {
+        self.differences.freedom()
     }
 }
 
@@ -190,6 +202,34 @@ mod tests {
             let low = found.interval(0.95).low;
             assert!(found.above(low - 0.02, 0.025) < 0.027, "{seed}");
             assert!(found.above(low + 0.02, 0.025) > 0.023, "{seed}");
+        }
+    }
+
+    /// Of five kinds of pairs that differ by far more than the pairs of one do: which kinds there are is no chance, and widens nothing.
+    #[test]
+    fn in_strata_intervals_cover_as_stated_and_are_narrower() {
+        let mut stream = Stream::seeded(20_261_124);
+        let draws: [fn(&mut Stream) -> f64; 2] =
+            [Stream::normal, |stream| -libm::log(stream.uniform()) - 1.0];
+        for (count, draw) in [(6, draws[0]), (6, draws[1]), (20, draws[1])] {
+            let (mut covered, mut width, mut pooled_width) = (0, 0.0, 0.0);
+            const EXPERIMENTS: u64 = 400;
+            for seed in 0..EXPERIMENTS {
+                // Kinds have means 0, 2, 4, 6 and 8, of which 4 is the mean.
+                let kind = |kind: i32, stream: &mut Stream| -> Vec<f64> {
+                    (0..count).map(|_| 2.0 * f64::from(kind) + draw(stream)).collect()
+                };
+                let kinds: Vec<Vec<f64>> = (0..5).map(|number| kind(number, &mut stream)).collect();
+                let pooled = MeanChange::new(kinds.concat(), seed).unwrap().interval(0.95);
+                let found = MeanChange::stratified(kinds, seed).unwrap().interval(0.95);
+                covered += u64::from(found.contains(4.0));
+                width += found.high - found.low;
+                pooled_width += pooled.high - pooled.low;
+            }
+            let share = covered as f64 / EXPERIMENTS as f64;
+            // Three standard errors of the simulation are 3.3 %.
+            assert!(share > 0.917, "{count}: {share}");
+            assert!(width < 0.6 * pooled_width, "{count}: {width} {pooled_width}");
         }
     }
 

@@ -252,6 +252,7 @@ impl GateOfSuite {
     fn report(self) -> Result<GateReport, ResultsError> {
         let rule = |text: &String| GateRule {
             metric: None,
+            rate: None,
             tolerance: Tolerance::Absolute(0.0),
             primary: false,
             confidence: 1.0,

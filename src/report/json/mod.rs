@@ -137,6 +137,9 @@ fn suite_object<'v>(report: &'v SuiteReport, requests: &'v Requests) -> Object<'
     if !report.identity.tested.is_empty() {
         own.insert("tested".into(), plain(&report.identity.tested));
     }
+    if !report.identity.earlier_seeds.is_empty() {
+        own.insert("earlier_seeds".into(), plain(&report.identity.earlier_seeds));
+    }
     let mut lists: Vec<(&'static str, List<'v>)> = Vec::new();
     if !report.ratings.is_empty() {
         lists.push(("ratings", list(&report.ratings, |rating| Item::Value(rating_value(rating)))));

@@ -15,7 +15,7 @@ use super::tested_programs::{note_uses, verify};
 use super::unit::{Units, units};
 use crate::project::Project;
 use crate::run::{Executor, Stop, Threads, VerifyRuns};
-use results::{Reporter, Results};
+use results::{Reporter, Results, TriedSeed};
 
 /// What is to be run and how. Results depend on the project alone.
 pub struct Session<'a> {
@@ -27,6 +27,7 @@ pub struct Session<'a> {
     lenient: bool,
     courses: bool,
     every_trial: bool,
+    earlier_seeds: Vec<Vec<TriedSeed>>,
     verify: VerifyRuns,
     notices: Mutex<Vec<String>>,
 }
@@ -73,6 +74,7 @@ impl<'a> Session<'a> {
             lenient: false,
             courses: true,
             every_trial: true,
+            earlier_seeds: Vec::new(),
             verify: VerifyRuns::default(),
             notices: Mutex::default(),
         }
@@ -115,6 +117,11 @@ impl<'a> Session<'a> {
         Self { every_trial: every, ..self }
     }
 
+    /// With the other seeds that each suite of the project was run with before, in its order: reports say which of them did not pass.
+    pub fn after_seeds(self, earlier_seeds: Vec<Vec<TriedSeed>>) -> Self {
+        Self { earlier_seeds, ..self }
+    }
+
     /// Which of the runs in which programs decide are made a second time, to see whether they come out the same: the first of each
     /// scenario and every 200th unless this says otherwise.
     pub fn verify_runs(self, verify: VerifyRuns) -> Self {
@@ -154,7 +161,8 @@ impl<'a> Session<'a> {
         let mut runner = Runner::new(self.project.suites(), executor, self.project.registry())
             .verifying(self.verify)
             .reading(self.project.files())
-            .stopped_by(&self.stop);
+            .stopped_by(&self.stop)
+            .after_seeds(self.earlier_seeds.clone());
         if let Some(folder) = &self.journals {
             runner = runner.journals(folder.clone());
         }

@@ -15,7 +15,7 @@ use crate::run::{
 use files::{Disk, Files};
 use results::{
     BlockReport, BlockState, Cut, RecordedReport, RecordedState, Requests, Skip, SuiteIdentity, TrialReport,
-    TrialState, UnitError, UnitReport,
+    TrialState, TriedSeed, UnitError, UnitReport,
 };
 use scenario::registry::Registry;
 use scenario::{Block, Case};
@@ -36,6 +36,8 @@ pub struct Runner<'a> {
     files: Arc<dyn Files>,
     stop: Stop,
     watch: Option<&'a RunWatch<'a>>,
+    /// By suite.
+    earlier_seeds: Vec<Vec<TriedSeed>>,
 }
 
 impl<'a> Runner<'a> {
@@ -50,7 +52,17 @@ impl<'a> Runner<'a> {
         let measured = MeasuredMetrics::new(requests);
         contexts.iter_mut().for_each(|context| context.measured = measured.clone());
         let (registry, stop) = (registry.clone(), Stop::default());
-        Self { suites, executor, contexts, measured, registry, files: Arc::new(Disk), stop, watch: None }
+        Self {
+            suites,
+            executor,
+            contexts,
+            measured,
+            registry,
+            files: Arc::new(Disk),
+            stop,
+            watch: None,
+            earlier_seeds: Vec::new(),
+        }
     }
 
     /// With a folder where searches and tunes keep what they have evaluated.
@@ -84,6 +96,12 @@ impl<'a> Runner<'a> {
     /// With somebody who is given the course of every run of a trial.
     pub fn watched_by(mut self, watch: &'a RunWatch<'a>) -> Self {
         self.watch = Some(watch);
+        self
+    }
+
+    /// With the seeds that each suite was run with before, for reports to say.
+    pub fn after_seeds(mut self, earlier: Vec<Vec<TriedSeed>>) -> Self {
+        self.earlier_seeds = earlier;
         self
     }
 
@@ -139,6 +157,7 @@ impl<'a> Runner<'a> {
             seed: prepared.plan.seed,
             set: prepared.suite.set.clone(),
             tested: prepared.suite.tested.clone(),
+            earlier_seeds: self.earlier_seeds.get(suite).cloned().unwrap_or_default(),
         }
     }
 

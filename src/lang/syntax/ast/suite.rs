@@ -2,7 +2,8 @@
 
 use super::super::entry::{BlockEntry, BlockKind, YamlShape, statement};
 use super::{
-    Block, Confidence, Doc, Expect, Expression, Metric, Name, Rating, Scenario, Seed, Settings, Tags, Text,
+    Block, Confidence, Doc, Expect, Expression, Metric, Name, Rate, Rating, Scenario, Seed, Settings, Tags,
+    Text,
 };
 use super::{CALIBRATE, DOC, ESTIMATE, EVALUATE, EXPECT, RATING, SCENARIO, SEARCH, STATEMENT, TAGS, TUNE};
 #[cfg(test)]
@@ -39,6 +40,7 @@ views! {
     GateRule = gate_rule {
         primary: (Primary),
         none_new: (NoneNew),
+        rate: (Rate),
         metric: (Metric),
         tolerance: (GateTolerance),
         confidence: (Confidence),
@@ -111,7 +113,7 @@ pub static GATE: BlockEntry = BlockEntry {
         statement(
             "",
             Rule::gate_rule,
-            "no metric worse by more than 5 % with 95 % confidence` or `pet not worse by more than 0.2 s` or `primary collision not worse",
+            "no metric worse by more than 5 % with 95 % confidence` or `pet not worse by more than 0.2 s` or `rate(pet < 1.5 s) not worse by more than 2 %` or `primary collision not worse",
             "What may not get worse.",
         )
         .key("rules", YamlShape::Statements)

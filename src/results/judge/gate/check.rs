@@ -1,6 +1,6 @@
 //! One comparison: measured, then decided.
 
-use super::measure::{Differences, difference, differences, sign, worse_by, worst_trial};
+use super::measure::{Differences, difference, sign, worse_by, worst_trial};
 use super::power;
 use super::questions::{About, ComparisonPlace, Question, RunPair};
 use crate::judge::baseline::RecordedMetric;
@@ -10,11 +10,16 @@ use numbers::random::derive_seed;
 use scenario::Tolerance;
 
 /// Everything but the outcome, which depends on the other comparisons.
-pub fn measure(question: &Question, family: usize, seed: u64) -> Check {
-    let differences = differences(question);
+/// The second is the p-value of exchanging base and candidate, where that is asked for and no other p-value is the same.
+pub fn measure(
+    question: &Question,
+    differences: &Differences,
+    family: usize,
+    seed: u64,
+) -> (Check, Option<f64>) {
     let subject = match question.about {
         About::Mean(_) => ComparedSubject::Mean,
-        About::Rate(_) => ComparedSubject::Rate,
+        About::Rate(_) | About::Holds(_) => ComparedSubject::Rate,
         About::Existence(_) => ComparedSubject::Existence,
         About::New => ComparedSubject::New,
     };
@@ -34,14 +39,14 @@ pub fn measure(question: &Question, family: usize, seed: u64) -> Check {
     let mut check = Check {
         rule: question.rule,
         metric: question.metric.name.clone(),
-        label: question.metric.label.clone(),
+        label: question.label.clone(),
         notation: question.notation,
         subject,
         place: place.to_string(),
         certain,
         outcome: CheckOutcome::NotShown,
         runs: compared(question),
-        units: differences.worse.len(),
+        units: differences.units.len(),
         base: differences.base,
         candidate: differences.candidate,
         interval: None,
@@ -55,22 +60,23 @@ pub fn measure(question: &Question, family: usize, seed: u64) -> Check {
         worse_runs,
         better_runs,
     };
+    let mut exchanged = None;
     if certain {
         check.power = Power::Everything;
     } else {
         let level = check.level() / family.max(1) as f64;
         let seed = derive_seed(seed, &format!("{} {} {:?}", check.label, check.place, subject));
-        check.compare(&differences, widest(question), level, seed);
+        exchanged = check.compare(differences, widest(question), level, seed);
     }
     if question.about == About::Existence(None) {
         (check.p_value, check.power) = (None, Power::None);
     }
-    check
+    (check, exchanged)
 }
 
 impl Check {
     /// Share of error at each end of the interval.
-    fn level(&self) -> f64 {
+    pub fn level(&self) -> f64 {
         (1.0 - self.confidence) / 2.0
     }
 
@@ -86,26 +92,35 @@ impl Check {
     }
 
     /// Interval, p-value and power where chance plays a part; `level` is the smallest p-value that matters.
-    fn compare(&mut self, differences: &Differences, widest: Option<f64>, level: f64, seed: u64) {
+    fn compare(
+        &mut self,
+        differences: &Differences,
+        widest: Option<f64>,
+        level: f64,
+        seed: u64,
+    ) -> Option<f64> {
+        let mut exchanged = None;
         let worse = match differences.one_sided {
             Some((only_base, only_candidate)) => {
-                let pairs = differences.worse.len() as u64;
+                let pairs = differences.units.len() as u64;
                 self.p_value = Some(rate_rise(only_base, only_candidate, pairs, self.tolerance));
                 self.power = power::of_rate(pairs, self.tolerance, level);
                 rate_change(only_base, only_candidate, pairs, self.confidence)
             }
             None => {
-                let change = MeanChange::new(differences.worse.clone(), seed);
+                let change = MeanChange::stratified(differences.worse.clone(), seed);
                 let change = change.expect("a question has a pair to compare").limited(widest);
                 let beyond = change.above(self.tolerance, level);
                 // What chance alone explains is no regression, whatever an approximate interval says.
-                self.p_value = Some(if beyond < 1.0 { beyond.max(change.exchange(level)) } else { 1.0 });
+                exchanged = (beyond < 1.0).then(|| change.exchange(level));
+                self.p_value = Some(exchanged.map_or(1.0, |exchanged| beyond.max(exchanged)));
                 self.power = power::of_mean(&change, self.tolerance, level);
                 change.interval(self.confidence)
             }
         };
         self.interval =
             Some(if self.larger_is_worse { (worse.low, worse.high) } else { (-worse.high, -worse.low) });
+        exchanged
     }
 
     /// Once the p-values of all comparisons are adjusted for each other.
@@ -155,7 +170,7 @@ fn widest(question: &Question) -> Option<f64> {
 fn compared(question: &Question) -> usize {
     match question.about {
         About::Existence(_) | About::New => question.pairs.len(),
-        _ => question.pairs.iter().filter(|pair| pair.base.is_some() && pair.candidate.is_some()).count(),
+        about => question.pairs.iter().filter(|pair| worse_by(about, pair).is_some()).count(),
     }
 }
 

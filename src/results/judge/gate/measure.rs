@@ -6,9 +6,11 @@ use numbers::summary::mean;
 
 /// The numbers behind a comparison.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Differences {
-    /// One per pair of runs or, where there are several people, per person.
-    pub worse: Vec<f64>,
+pub struct Differences<'a> {
+    /// What is independent, in the order of [`Self::worse`]: the run's key or, where there are several people, who it is.
+    pub units: Vec<&'a str>,
+    /// One per pair of runs or, where there are several people, per person: those of each trial by themselves, or of all people together.
+    pub worse: Vec<Vec<f64>>,
     /// Means over what is compared; events as shares.
     pub base: f64,
     pub candidate: f64,
@@ -30,37 +32,52 @@ pub fn sign(about: About) -> f64 {
     let larger_is_worse = match about {
         About::Mean(direction) => direction.larger_is_worse,
         About::Rate(event) | About::Existence(Some(event)) => event.bad,
+        About::Holds(condition) => condition.bad,
         About::Existence(None) | About::New => true,
     };
     if larger_is_worse { 1.0 } else { -1.0 }
 }
 
-pub fn differences(question: &Question) -> Differences {
+pub fn differences<'a>(question: &'a Question) -> Differences<'a> {
     let numbers = |side: Side, pair: &RunPair| number(question.about, side(pair));
-    let rows: Vec<(Option<f64>, Option<f64>)> = if question.by_people {
+    type Row<'r> = (&'r str, Option<f64>, Option<f64>);
+    let strata: Vec<Vec<Row>> = if question.by_people {
         let people = question.pairs.iter().map(|pair| pair.person).max().map_or(0, |last| last + 1);
-        let of_person = |side: Side, person: usize| {
-            let runs = question.pairs.iter().filter(|pair| pair.person == person);
-            let values: Vec<f64> = runs.filter_map(|pair| numbers(side, pair)).collect();
-            mean(&values)
+        let of_person = |person: usize| {
+            let runs = || question.pairs.iter().filter(|pair| pair.person == person);
+            let mean_of = |side: Side| {
+                let values: Vec<f64> = runs().filter_map(|pair| numbers(side, pair)).collect();
+                mean(&values)
+            };
+            (runs().next().map_or("", |pair| pair.who), mean_of(BASE), mean_of(CANDIDATE))
         };
-        (0..people).map(|person| (of_person(BASE, person), of_person(CANDIDATE, person))).collect()
+        vec![(0..people).map(of_person).collect()]
     } else {
-        question.pairs.iter().map(|pair| (numbers(BASE, pair), numbers(CANDIDATE, pair))).collect()
+        // Which trials there are is no matter of chance.
+        let trials = question.pairs.chunk_by(|one, next| one.trial == next.trial);
+        let row = |pair: &'a RunPair| (pair.key.as_str(), numbers(BASE, pair), numbers(CANDIDATE, pair));
+        trials.map(|trial| trial.iter().map(row).collect()).collect()
     };
-    let both: Vec<(f64, f64)> =
-        rows.into_iter().filter_map(|(base, candidate)| base.zip(candidate)).collect();
+    let of_both = |rows: Vec<Row<'a>>| -> Vec<(&'a str, f64, f64)> {
+        rows.into_iter().filter_map(|(unit, base, candidate)| Some((unit, base?, candidate?))).collect()
+    };
+    let strata: Vec<Vec<(&str, f64, f64)>> = strata.into_iter().map(of_both).collect();
+    let both: Vec<(&str, f64, f64)> = strata.concat();
     let count = both.len() as f64;
     let sign = sign(question.about);
-    let worse: Vec<f64> = both.iter().map(|(base, candidate)| sign * difference(*base, *candidate)).collect();
+    let worse_of = |stratum: &Vec<(&str, f64, f64)>| -> Vec<f64> {
+        stratum.iter().map(|(_, base, candidate)| sign * difference(*base, *candidate)).collect()
+    };
+    let worse: Vec<Vec<f64>> = strata.iter().map(worse_of).collect();
     let is_event = !matches!(question.about, About::Mean(_));
     let one_sided = (is_event && !question.by_people).then(|| {
-        let many = |wanted: f64| worse.iter().filter(|one| **one == wanted).count() as u64;
+        let many = |wanted: f64| worse.iter().flatten().filter(|one| **one == wanted).count() as u64;
         (many(-1.0), many(1.0))
     });
     Differences {
-        base: both.iter().map(|pair| pair.0).sum::<f64>() / count,
-        candidate: both.iter().map(|pair| pair.1).sum::<f64>() / count,
+        base: both.iter().map(|pair| pair.1).sum::<f64>() / count,
+        candidate: both.iter().map(|pair| pair.2).sum::<f64>() / count,
+        units: both.iter().map(|pair| pair.0).collect(),
         worse,
         one_sided,
     }
@@ -71,6 +88,7 @@ fn number(about: About, value: Option<f64>) -> Option<f64> {
     match about {
         About::Existence(_) => Some(f64::from(value.is_some())),
         About::Rate(_) => value.map(|value| f64::from(value != 0.0)),
+        About::Holds(condition) => condition.holds(value).map(f64::from),
         About::New => Some(f64::from(value.is_some_and(|value| value != 0.0))),
         About::Mean(_) => value,
     }

@@ -4,6 +4,7 @@
 
 mod changes;
 mod check;
+mod family;
 mod measure;
 mod power;
 mod questions;
@@ -12,8 +13,10 @@ mod tests;
 
 use super::baseline::{Baseline, Incompatible, Pairing, pair};
 use crate::{BlindPlace, Check, CheckOutcome, GateVerdict, Power, Verdict};
-use numbers::inference::holm;
 use scenario::{Gate, GateRule, MetricReference, Reference, Tolerance};
+
+use family::Families;
+use measure::{Differences, differences};
 
 pub use changes::vehicle_changes;
 pub use power::{OFTEN, share_of_one};
@@ -23,6 +26,7 @@ pub fn blanket_rule(tolerance: f64, confidence: f64) -> GateRule {
     let percent = |share: f64| scenario::significant(100.0 * share, 6);
     GateRule {
         metric: None,
+        rate: None,
         tolerance: Tolerance::Relative(tolerance),
         primary: false,
         confidence,
@@ -52,6 +56,7 @@ fn no_new_collision() -> GateRule {
     let metric = MetricReference::plain(Reference::unresolved(COLLISION));
     GateRule {
         metric: Some(metric),
+        rate: None,
         tolerance: Tolerance::NoneNew { where_none_was: true },
         primary: false,
         confidence: 1.0,
@@ -78,32 +83,6 @@ fn with_default(rules: &[GateRule], pairing: &Pairing) -> Vec<GateRule> {
         all.push(default);
     }
     all
-}
-
-/// How many comparisons share the error: primary ones have half of it for themselves, the others the other half.
-struct Families {
-    primary: usize,
-    others: usize,
-}
-
-impl Families {
-    fn of(asked: &[questions::Question], rules: &[GateRule]) -> Self {
-        let count = |primary: bool| {
-            let own = asked.iter().filter(|question| rules[question.rule].primary == primary);
-            own.filter(|question| question.shares_the_error()).count()
-        };
-        Self { primary: count(true), others: count(false) }
-    }
-
-    /// How many kinds of comparisons the error is divided between: nobody shares it with a kind of which there is none.
-    fn kinds(&self) -> usize {
-        usize::from(self.primary > 0) + usize::from(self.others > 0)
-    }
-
-    /// By how many one comparison of a kind shares the error.
-    fn comparisons(&self, primary: bool) -> usize {
-        self.kinds() * if primary { self.primary } else { self.others }
-    }
 }
 
 /// Judges what a gate says about a suite and a baseline of the same suite. With `lenient`, trials that the base lacks are left out instead of being a reason not to
@@ -137,19 +116,18 @@ pub fn judge_rules(
     let questions::Questions { asked, without_values, new_metrics, unnamed_flags } =
         questions::ask(rules, pairing)?;
     let families = Families::of(&asked, rules);
+    let measured: Vec<Differences> = asked.iter().map(differences).collect();
     let seed = pairing.candidate.seed;
-    let mut checks: Vec<Check> = asked
+    let (mut checks, exchanged): (Vec<Check>, Vec<Option<f64>>) = asked
         .iter()
-        .map(|question| check::measure(question, families.comparisons(rules[question.rule].primary), seed))
-        .collect();
-    for primary in [true, false] {
-        let shares = |check: &&mut Check| check.p_value.is_some() && rules[check.rule].primary == primary;
-        let own: Vec<&mut Check> = checks.iter_mut().filter(shares).collect();
-        let p_values: Vec<f64> = own.iter().filter_map(|check| check.p_value).collect();
-        for (check, adjusted) in own.into_iter().zip(holm(&p_values)) {
-            check.adjusted_p_value = Some((adjusted * families.kinds() as f64).min(1.0));
-        }
-    }
+        .zip(&measured)
+        .map(|(question, measured)| {
+            check::measure(question, measured, families.comparisons(rules[question.rule].primary), seed)
+        })
+        .unzip();
+    let comparisons =
+        family::Comparisons { asked: &asked, measured: &measured, exchanged: &exchanged, rules };
+    families.adjust(&mut checks, &comparisons, seed);
     for (check, question) in checks.iter_mut().zip(&asked) {
         check.decide(question);
     }

@@ -23,7 +23,7 @@ pub fn of_mean(change: &MeanChange, tolerance: f64, level: f64) -> Power {
     }
     let error = change.error();
     if error > 0.0 {
-        let reach = student_quantile(1.0 - level, (change.pairs() - 1) as f64) + normal::quantile(OFTEN);
+        let reach = student_quantile(1.0 - level, change.freedom()) + normal::quantile(OFTEN);
         return Power::Shift(tolerance + reach * error);
     }
     Power::Share(share_for(needed, change.pairs()))

@@ -1,7 +1,10 @@
 //! From rules to questions: which metric is compared in what, over which pairs of runs.
 
 use crate::judge::baseline::{Incompatible, Pairing, RecordedMetric, RecordedTrial};
-use scenario::{Absence, GateRule, Metric, MetricKind, MetricReference, Notation, Tolerance, Worst};
+use scenario::{
+    Absence, GateRate, GateRule, Metric, MetricKind, MetricReference, Notation, Relation, Tolerance,
+    WhenUndefined, Worst,
+};
 
 /// One comparison to make.
 pub struct Question<'a> {
@@ -11,6 +14,8 @@ pub struct Question<'a> {
     /// The unit that the rule says its tolerance in.
     pub notation: Option<Notation>,
     pub metric: &'a RecordedMetric,
+    /// As reports call what is compared: `pet`, `rate(pet < 1.5 s)`.
+    pub label: String,
     pub about: About,
     pub place: ComparisonPlace<'a>,
     pub pairs: Vec<RunPair<'a>>,
@@ -27,6 +32,8 @@ pub enum About {
     Mean(WorseDirection),
     /// The share of runs with a yes, over the runs that have it on both sides.
     Rate(RunFlag),
+    /// The share of runs in which its value compares so.
+    Holds(RunCondition),
     /// The share of runs that have it. `None`: neither way is worse for sure.
     Existence(Option<RunFlag>),
     /// The runs with a yes that had a no on the same seed.
@@ -44,6 +51,38 @@ pub struct WorseDirection {
 pub struct RunFlag {
     /// Whether having it is what is bad.
     pub bad: bool,
+}
+
+/// How the value of a run compares to a bound.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RunCondition {
+    pub relation: Relation,
+    /// SI units.
+    pub bound: f64,
+    /// Whether it holds in a run that has no value; `None`: nobody can say.
+    pub without_value: Option<bool>,
+    /// Whether it is bad that it holds.
+    pub bad: bool,
+}
+
+impl RunCondition {
+    fn of(rate: &GateRate, absence: Absence) -> Self {
+        let GateRate { relation, bound, when_undefined, bad, text: _ } = *rate;
+        let without_value = match (when_undefined, absence) {
+            (WhenUndefined::Passes, _) => Some(true),
+            (WhenUndefined::Fails, _) => Some(false),
+            // Better than any value, or worse.
+            (WhenUndefined::AsDeclared, Absence::Good) => Some(!bad),
+            (WhenUndefined::AsDeclared, Absence::Bad) => Some(bad),
+            (WhenUndefined::AsDeclared, Absence::Open) => None,
+        };
+        Self { relation, bound, without_value, bad }
+    }
+
+    /// Whether it holds in a run; `None` where nobody can say.
+    pub fn holds(self, value: Option<f64>) -> Option<bool> {
+        value.map_or(self.without_value, |value| Some(self.relation.holds(value, self.bound)))
+    }
 }
 
 /// Where a comparison is made.
@@ -64,6 +103,8 @@ pub struct RunPair<'a> {
     pub trial: &'a str,
     /// Number of the person in the scenario, in order of appearance.
     pub person: usize,
+    /// The same person in all scenarios.
+    pub who: &'a str,
     pub base: Option<f64>,
     pub candidate: Option<f64>,
 }
@@ -84,6 +125,12 @@ impl Question<'_> {
         matches!(self.place, ComparisonPlace::Scenario(_))
             && !matches!(self.about, About::Existence(None) | About::New)
     }
+
+    /// Whether nothing worse is tolerated, so that base and candidate might be exchanged if nothing is.
+    pub fn tolerates_nothing(&self) -> bool {
+        let of_existence = matches!(self.about, About::Existence(_));
+        of_existence || matches!(self.tolerance, Tolerance::Relative(0.0) | Tolerance::Absolute(0.0))
+    }
 }
 
 /// Every comparison that the rules ask for.
@@ -97,7 +144,12 @@ pub fn ask<'a>(rules: &[GateRule], pairing: &Pairing<'a>) -> Result<Questions<'a
     let mut missing = Vec::new();
     // What holds by default says nothing where the base has it.
     let said = rules.iter().filter(|rule| rule.tolerance != Tolerance::NoneNew { where_none_was: true });
-    let named: Vec<&MetricReference> = said.filter_map(|rule| rule.metric.as_ref()).collect();
+    // A rate of runs says nothing of the mean of a quantity, and all of what is true or false.
+    let is_flag =
+        |metric: &MetricReference| metric.known().is_some_and(|known| known.kind == MetricKind::Flag);
+    let says_all = |rule: &&GateRule| rule.rate.is_none() || rule.metric.as_ref().is_some_and(is_flag);
+    let named: Vec<&MetricReference> =
+        said.filter(says_all).filter_map(|rule| rule.metric.as_ref()).collect();
     for (index, rule) in rules.iter().enumerate() {
         let label = rule.metric.as_ref().map(MetricReference::label);
         missing.extend(
@@ -133,11 +185,13 @@ pub fn ask<'a>(rules: &[GateRule], pairing: &Pairing<'a>) -> Result<Questions<'a
             let exists = |(base, candidate): &(&RecordedTrial, &RecordedTrial)| {
                 base.values[columns.0].iter().chain(&candidate.values[columns.1]).any(Option::is_some)
             };
-            if !pairing.trials.iter().any(exists) {
+            let condition = rule.rate.as_ref().map(|rate| RunCondition::of(rate, metric.absence));
+            let counts_without = condition.is_some_and(|one| one.without_value.is_some());
+            if !counts_without && !pairing.trials.iter().any(exists) {
                 questions.without_values.push(recorded.label.clone());
                 continue;
             }
-            let asker = Asker { rule: index, terms: rule, recorded, metric, columns, pairing };
+            let asker = Asker { rule: index, terms: rule, recorded, metric, condition, columns, pairing };
             questions.asked.extend(asker.questions());
         }
     }
@@ -165,6 +219,8 @@ struct Asker<'a, 'b> {
     terms: &'b GateRule,
     recorded: &'a RecordedMetric,
     metric: &'a Metric,
+    /// What is counted, if the rule is about a rate.
+    condition: Option<RunCondition>,
     /// Of the metric, in the base and in the candidate.
     columns: (usize, usize),
     pairing: &'b Pairing<'a>,
@@ -211,6 +267,7 @@ impl<'a> Asker<'a, '_> {
             tolerance: self.terms.tolerance,
             notation: self.terms.notation,
             metric: self.recorded,
+            label: self.recorded.label.clone(),
             about: About::New,
             place: ComparisonPlace::Scenario(scenario),
             pairs,
@@ -222,6 +279,7 @@ impl<'a> Asker<'a, '_> {
     /// The value itself, and whether it exists where it does not exist in every run.
     fn about(&self, place: ComparisonPlace<'a>, trials: &[TrialPair<'a>]) -> Vec<Question<'a>> {
         let pairs = self.pairs(trials);
+        let label = self.terms.rate.as_ref().map_or(&self.recorded.label, |rate| &rate.text);
         let exists = |pair: &RunPair| pair.base.is_some() || pair.candidate.is_some();
         let in_both = |pair: &RunPair| pair.base.is_some() && pair.candidate.is_some();
         let by_people = pairs.iter().any(|pair| pair.person > 0);
@@ -233,6 +291,11 @@ impl<'a> Asker<'a, '_> {
             tolerance: self.terms.tolerance,
             notation: self.terms.notation,
             metric: self.recorded,
+            label: match about {
+                // Of the value, whatever is asked of it.
+                About::Existence(_) => self.recorded.label.clone(),
+                _ => label.clone(),
+            },
             about,
             place,
             pairs: pairs.clone(),
@@ -240,15 +303,21 @@ impl<'a> Asker<'a, '_> {
             other_people,
         };
         let larger_is_worse = self.metric.worst == Worst::Largest;
+        if let Some(condition) = self.condition.filter(|condition| condition.without_value.is_some()) {
+            return if pairs.is_empty() { Vec::new() } else { vec![question(About::Holds(condition))] };
+        }
         let mut asked = Vec::new();
         if pairs.iter().any(in_both) {
-            asked.push(question(match self.metric.kind {
-                MetricKind::Flag => About::Rate(RunFlag { bad: larger_is_worse }),
-                _ => About::Mean(WorseDirection { larger_is_worse }),
+            asked.push(question(match (self.condition, &self.metric.kind) {
+                (Some(condition), _) => About::Holds(condition),
+                (None, MetricKind::Flag) => About::Rate(RunFlag { bad: larger_is_worse }),
+                (None, _) => About::Mean(WorseDirection { larger_is_worse }),
             }));
         }
         if pairs.iter().any(exists) && !pairs.iter().all(in_both) {
             asked.push(question(About::Existence(match self.metric.absence {
+                // Of a rate there is one question only where nobody can say what a run without the metric is.
+                _ if self.condition.is_some() => None,
                 Absence::Good => Some(RunFlag { bad: true }),
                 Absence::Bad => Some(RunFlag { bad: false }),
                 Absence::Open => None,
@@ -268,11 +337,12 @@ impl<'a> Asker<'a, '_> {
                     key: self.pairing.candidate.run_key(candidate, run),
                     trial: &candidate.key,
                     person,
+                    who: name,
                     base: base.values[self.columns.0][run],
                     candidate: candidate.values[self.columns.1][run],
                 });
                 if person == people.len() {
-                    people.push(candidate.person(run));
+                    people.push(name);
                 }
             }
         }

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+mod rates;
+
 use super::*;
 use crate::ComparedSubject;
 use crate::judge::baseline::{Parts, RecordedMetric, RecordedTrial, WorldPart};
