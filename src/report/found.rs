@@ -89,7 +89,7 @@ fn line(result: &SearchResult, found: &Found) -> Vec<String> {
 /// How usual somebody is: such as `12 %`, and of the rarest `0.3 %`.
 pub fn tail_text(share: f64) -> String {
     match 100.0 * share {
-        none if none == 0.0 => "0 %".to_string(),
+        0.0 => "0 %".to_string(),
         rare if rare < 0.1 => "< 0.1 %".to_string(),
         rare if rare < 10.0 => format!("{rare:.1} %"),
         usual => format!("{usual:.0} %"),

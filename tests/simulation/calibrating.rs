@@ -125,10 +125,7 @@ impl BlockProgress for Told {
 fn other_tolerances_weigh_the_runs_that_are_known() {
     let folder = tempfile::tempdir().unwrap();
     // Two persons, of whom little is known: there are mixtures that are consistent enough.
-    let rows = [
-        "crossing, 4 s, 0.125, 8, 2, 1, 1, 0, 0, 0\n",
-        "crossing, 6 s, 0.5, 8, 2, 1, 0, 0, 0, 1\n",
-    ];
+    let rows = ["crossing, 4 s, 0.125, 8, 2, 1, 1, 0, 0, 0\n", "crossing, 6 s, 0.5, 8, 2, 1, 0, 0, 0, 1\n"];
     let stop = Stop::default();
     let stops = StopsAt(stop.clone(), AtomicUsize::new(0));
     let suite = load(MATCHED, &rows.concat());

@@ -288,7 +288,6 @@ fn splitting_is_unbiased_and_covers() {
         assert!(guaranteed >= at_least(0.95, repetitions) * repetitions as f64, "{name}: {counted:?}");
         let mean = crate::summary::mean(&counted.values).unwrap();
         let error = crate::summary::std(&counted.values).unwrap() / (repetitions as f64).sqrt();
-        println!("{name}: {mean} ± {error}, and it is {}; {} refused", problem.probability, counted.refused);
         assert!((mean - problem.probability).abs() < 4.0 * error, "{name}: {mean} ± {error}");
         assert!(error / mean < 0.05, "{name}: {mean} ± {error}");
     }
@@ -368,6 +367,5 @@ fn splitting_goes_on_from_chance_too() {
     }
     let mean = crate::summary::mean(&values).unwrap();
     let error = crate::summary::std(&values).unwrap() / 20.0_f64.sqrt();
-    println!("{mean} ± {error}, and it is {}", tail(4.0));
     assert!((mean - tail(4.0)).abs() < 4.0 * error && error < 0.2 * mean, "{mean} ± {error}");
 }

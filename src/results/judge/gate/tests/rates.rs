@@ -34,7 +34,7 @@ fn a_rate_gets_worse_towards_the_side_of_its_metric() {
     assert_eq!(judge(&[of_pet(0.2)], &short(10), &short(40)).verdict, Verdict::Passed);
     // The other side of the same bound.
     let long = rate("pet", Relation::GreaterOrEqual, 1.5, false, 0.02);
-    assert_eq!(judge(&[long.clone()], &short(10), &short(40)).verdict, Verdict::Failed);
+    assert_eq!(judge(std::slice::from_ref(&long), &short(10), &short(40)).verdict, Verdict::Failed);
     assert_eq!(judge(&[long], &short(40), &short(10)).verdict, Verdict::Passed);
 }
 
