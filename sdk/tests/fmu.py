@@ -79,9 +79,9 @@ def main(runner, folder):
         # Another unit has others, or this would compare nothing; and so has one that is told another speed.
         unit(folder, edition, f"Other{edition}", braking="-3.0000001")
         changed = passed(runner, folder, fmu_brake.declaration(f"Other{edition}", environment))
-        assert sum(changed[key] != known[key] for key in known) > 30, "a unit that brakes otherwise has the same fingerprints"
+        assert sum(changed[key] != known[key] for key in known) > 20, "a unit that brakes otherwise has the same fingerprints"
         faster = passed(runner, folder, fmu_brake.declaration(name, environment, unit="km/h"))
-        assert sum(faster[key] != known[key] for key in known) > 30, "a unit that is told its speed in km/h has the same fingerprints"
+        assert sum(faster[key] != known[key] for key in known) > 20, "a unit that is told its speed in km/h has the same fingerprints"
 
         # What the unit says is no speed is none.
         with zipfile.ZipFile(os.path.join(folder, f"{name}.fmu")) as source:
