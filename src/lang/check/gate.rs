@@ -165,7 +165,7 @@ fn rate(
         );
         None
     };
-    if !node.text().starts_with("rate") {
+    if ast::Aggregate::Rate(node).word() != "rate" {
         let hint = format!("say `rate({})`", syntax::condition_text(condition, node.undefined()));
         return refuse(
             "a gate compares shares of runs, which do not depend on how many there are".to_string(),

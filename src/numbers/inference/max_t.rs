@@ -3,6 +3,8 @@
 //!
 //! Source: P. H. Westfall & S. S. Young, Resampling-Based Multiple Testing, 1993, section 2.8 (step-down maxT).
 
+use std::collections::BTreeSet;
+
 use crate::random::Stream;
 
 /// Up to so many pairs that differ, every way to exchange them is looked at.
@@ -27,14 +29,12 @@ pub type PairDifferences = Vec<(usize, f64)>;
 /// random is drawn from `seed`.
 pub fn max_t(comparisons: &[PairDifferences], smallest: f64, seed: u64) -> Vec<f64> {
     let scaled: Vec<PairDifferences> = comparisons.iter().map(|own| in_units_of_chance(own)).collect();
-    let pairs = scaled.iter().flatten().map(|(pair, _)| pair + 1).max().unwrap_or(0);
-    let mut differing = vec![false; pairs];
-    scaled.iter().flatten().for_each(|(pair, one)| differing[*pair] |= *one != 0.0);
-    let differing: Vec<usize> = (0..pairs).filter(|pair| differing[*pair]).collect();
+    let differing: BTreeSet<usize> = scaled.iter().flatten().map(|(pair, _)| *pair).collect();
+    let differing: Vec<usize> = differing.into_iter().collect();
     let seen: Vec<f64> = scaled.iter().map(|own| own.iter().map(|(_, one)| one).sum()).collect();
     let mut order: Vec<usize> = (0..scaled.len()).collect();
     order.sort_by(|left, right| seen[*right].total_cmp(&seen[*left]));
-    let mut signs = vec![1.0; pairs];
+    let mut signs = vec![1.0; differing.last().map_or(0, |last| last + 1)];
     let mut as_far = vec![0_usize; scaled.len()];
     let mut count = |signs: &[f64]| {
         let mut largest = f64::NEG_INFINITY;
@@ -79,7 +79,7 @@ pub fn max_t(comparisons: &[PairDifferences], smallest: f64, seed: u64) -> Vec<f
     adjusted
 }
 
-/// Divided by the standard deviation of their sum over all ways to exchange.
+/// Those that differ, divided by the standard deviation of their sum over all ways to exchange.
 fn in_units_of_chance(differences: &[(usize, f64)]) -> PairDifferences {
     let spread = differences.iter().map(|(_, one)| one * one).sum::<f64>().sqrt();
     let kept = differences.iter().filter(|(_, one)| *one != 0.0);
@@ -115,7 +115,7 @@ mod tests {
     }
 
     /// Of two comparisons of other pairs, by hand: both sums are as large as 2 in 1/4 of the ways each, so that one of them is in
-    /// 1 - (3/4)^2; and the second step, of the one alone that got less worse in its own units, is 3/4.
+    /// 1 - (3/4)^2 = 7/16. Where one got less worse in its own units, it is adjusted for itself alone.
     #[test]
     fn independent_comparisons_by_hand() {
         let first: PairDifferences = vec![(0, 1.0), (1, 1.0)];

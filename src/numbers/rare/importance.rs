@@ -8,15 +8,12 @@ use super::REPLICATES;
 use super::estimate::{ReplicateRuns, WeighedHit};
 use super::pilot::Pilot;
 use super::proposal::{Component, log_mixture};
-use super::sampling::{RareOutcome, RarePoint, RareRound, RareSampling, plateau};
+use super::sampling::{RareOutcome, RarePoint, RareRound, RareSampling, pilot_runs, plateau, replicate_runs};
 use super::space::{RarePlace, RareSpace};
 use crate::random::{Stream, derive_seed};
 
 /// One of so many runs is drawn as it is drawn without a method, and as many farther out in all directions.
 const DEFENSIVE: usize = 10;
-/// One of so many runs is of the pilot, at most [`MOST_PILOT`].
-const PILOT: usize = 4;
-const MOST_PILOT: usize = 10_000;
 
 /// Points where the event is likely, weighed.
 #[derive(Debug)]
@@ -24,7 +21,6 @@ pub struct ImportanceSampling {
     space: RareSpace,
     seed: u64,
     budget: usize,
-    pilot_runs: usize,
     pilot: Option<Pilot>,
     /// What is drawn from, the first as without a method, and how many runs of a replicate are of each.
     components: Vec<(usize, Component)>,
@@ -39,13 +35,11 @@ pub struct ImportanceSampling {
 impl ImportanceSampling {
     /// With so many runs in all, at least [`FEWEST_RUNS`](super::FEWEST_RUNS).
     pub fn new(space: RareSpace, budget: usize, seed: u64) -> Self {
-        let pilot_runs = (budget / PILOT).min(MOST_PILOT);
-        let pilot = Pilot::new(space.clone(), pilot_runs, derive_seed(seed, "pilot"));
+        let pilot = Pilot::new(space.clone(), pilot_runs(budget), derive_seed(seed, "pilot"));
         Self {
             space,
             seed,
             budget,
-            pilot_runs,
             pilot: Some(pilot),
             components: Vec::new(),
             asked: Vec::new(),
@@ -57,16 +51,12 @@ impl ImportanceSampling {
 
     /// How many of so many runs are drawn as they are drawn without a method.
     pub fn nominal_runs_of(budget: usize) -> usize {
-        Self::size_of(budget).div_ceil(DEFENSIVE) * REPLICATES
+        replicate_runs(budget).div_ceil(DEFENSIVE) * REPLICATES
     }
 
     /// Runs of each replicate.
-    fn size_of(budget: usize) -> usize {
-        (budget - (budget / PILOT).min(MOST_PILOT)) / REPLICATES
-    }
-
     fn size(&self) -> usize {
-        Self::size_of(self.budget)
+        replicate_runs(self.budget)
     }
 
     /// Of each replicate, drawn as without a method.
@@ -159,7 +149,7 @@ impl RareSampling for ImportanceSampling {
     }
 
     fn budget(&self) -> usize {
-        self.pilot_runs + self.size() * REPLICATES
+        pilot_runs(self.budget) + self.size() * REPLICATES
     }
 
     fn nominal_runs(&self) -> usize {

@@ -1,6 +1,21 @@
 //! What methods ask for and are told.
 
+use super::REPLICATES;
 use super::estimate::ReplicateRuns;
+
+/// One of so many runs is of the pilot, at most [`MOST_PILOT`].
+const PILOT: usize = 4;
+const MOST_PILOT: usize = 10_000;
+
+/// Of so many runs, those of a pilot.
+pub fn pilot_runs(budget: usize) -> usize {
+    (budget / PILOT).min(MOST_PILOT)
+}
+
+/// Of so many runs, those of each replicate after a pilot, at most.
+pub fn replicate_runs(budget: usize) -> usize {
+    (budget - pilot_runs(budget)) / REPLICATES
+}
 
 /// A run that a method wants.
 #[derive(Debug, Clone, PartialEq)]

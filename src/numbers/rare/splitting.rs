@@ -14,13 +14,10 @@
 use super::REPLICATES;
 use super::estimate::{ReplicateRuns, WeighedHit};
 use super::proposal::Component;
-use super::sampling::{RareOutcome, RarePoint, RareRound, RareSampling, plateau};
+use super::sampling::{RareOutcome, RarePoint, RareRound, RareSampling, pilot_runs, plateau, replicate_runs};
 use super::space::{RarePlace, RareSpace};
 use crate::random::{Stream, derive_seed};
 
-/// One of so many runs is of the pilot, at most [`MOST_PILOT`].
-const PILOT: usize = 4;
-const MOST_PILOT: usize = 10_000;
 /// Batches of the pilot: with a quarter of the runs getting from each level to the next, 4⁻¹¹ is reached.
 const BATCHES: usize = 12;
 /// One of so many runs of the pilot gets to the next level.
@@ -118,32 +115,23 @@ impl SplittingSampling {
 
     /// How many of so many runs are drawn as they are drawn without a method, at least.
     pub fn nominal_runs_of(budget: usize) -> usize {
-        Self::size_of(budget) / NOMINAL * REPLICATES
-    }
-
-    fn pilot_of(budget: usize) -> usize {
-        (budget / PILOT).min(MOST_PILOT)
-    }
-
-    /// Runs of each replicate, at most.
-    fn size_of(budget: usize) -> usize {
-        (budget - Self::pilot_of(budget)) / REPLICATES
+        replicate_runs(budget) / NOMINAL * REPLICATES
     }
 
     /// Runs of each of the pilot's batches.
     fn batch(&self) -> usize {
-        Self::pilot_of(self.budget) / BATCHES
+        pilot_runs(self.budget) / BATCHES
     }
 
     /// Of each replicate, drawn as without a method: all of them where the event needs no levels.
     fn nominal_size(&self) -> usize {
-        let size = Self::size_of(self.budget);
+        let size = replicate_runs(self.budget);
         if self.levels.is_empty() { size } else { size / NOMINAL }
     }
 
     /// Chains of each level.
     fn chains(&self) -> usize {
-        let all = (Self::size_of(self.budget) - self.nominal_size()) / self.levels.len().max(1);
+        let all = (replicate_runs(self.budget) - self.nominal_size()) / self.levels.len().max(1);
         (all / MOVES).max(1)
     }
 
@@ -241,8 +229,8 @@ impl SplittingSampling {
             }
         }
         // No more levels than leave some runs for each.
-        let most = Self::size_of(self.budget) / 10;
-        let another = self.done + self.batch() <= Self::pilot_of(self.budget) && self.levels.len() < most;
+        let most = replicate_runs(self.budget) / 10;
+        let another = self.done + self.batch() <= pilot_runs(self.budget) && self.levels.len() < most;
         match self.next_level().filter(|_| another) {
             Some(at_most) => {
                 let scale = self.levels.last().map_or(0.8, |level| level.scale);
@@ -345,7 +333,7 @@ impl RareSampling for SplittingSampling {
     }
 
     fn budget(&self) -> usize {
-        Self::pilot_of(self.budget) + Self::size_of(self.budget) * REPLICATES
+        pilot_runs(self.budget) + replicate_runs(self.budget) * REPLICATES
     }
 
     fn nominal_runs(&self) -> usize {

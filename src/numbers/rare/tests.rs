@@ -22,20 +22,29 @@ fn space(dimensions: usize) -> RareSpace {
     RareSpace::new(vec![RareAxis::Continuous; dimensions])
 }
 
-fn run(method: &mut dyn RareSampling, problem: &Problem, space: &RareSpace) -> usize {
+/// Tells a method what becomes of its runs, the second argument being whether they are a pilot's; how many there were.
+fn told(method: &mut dyn RareSampling, outcome: impl Fn(&RarePoint, bool) -> RareOutcome) -> usize {
     let mut runs = 0;
     while let Some(round) = method.ask() {
         runs += round.points.len();
-        let outcome = |one: &RarePoint| {
-            let z = space.place(&one.point).z;
-            let score = (problem.score)(&z);
-            let hidden = round.is_pilot && (problem.hidden)(&z);
-            RareOutcome { event: score <= 0.0 && !hidden, score: if hidden { 9.0 } else { score } }
-        };
-        let outcomes: Vec<_> = round.points.iter().map(outcome).collect();
+        let outcomes: Vec<_> = round.points.iter().map(|one| outcome(one, round.is_pilot)).collect();
         method.tell(&outcomes);
     }
     runs
+}
+
+fn run(method: &mut dyn RareSampling, problem: &Problem, space: &RareSpace) -> usize {
+    told(method, |one, is_pilot| {
+        let z = space.place(&one.point).z;
+        let score = (problem.score)(&z);
+        let hidden = is_pilot && (problem.hidden)(&z);
+        RareOutcome { event: score <= 0.0 && !hidden, score: if hidden { 9.0 } else { score } }
+    })
+}
+
+fn mean_and_error(values: &[f64]) -> (f64, f64) {
+    let mean = crate::summary::mean(values).unwrap();
+    (mean, crate::summary::std(values).unwrap() / (values.len() as f64).sqrt())
 }
 
 #[derive(Default, Debug)]
@@ -46,23 +55,30 @@ struct Counted {
     values: Vec<f64>,
 }
 
-fn by_importance(space: RareSpace, budget: usize, seed: u64) -> Box<dyn RareSampling> {
-    Box::new(ImportanceSampling::new(space, budget, seed))
+struct Method {
+    new: fn(RareSpace, usize, u64) -> Box<dyn RareSampling>,
+    /// Whether it makes all runs that it may.
+    makes_all: bool,
 }
 
-fn by_splitting(space: RareSpace, budget: usize, seed: u64) -> Box<dyn RareSampling> {
-    Box::new(SplittingSampling::new(space, budget, seed))
-}
+const IMPORTANCE: Method = Method {
+    new: |space, budget, seed| Box::new(ImportanceSampling::new(space, budget, seed)),
+    makes_all: true,
+};
 
-type Method = fn(RareSpace, usize, u64) -> Box<dyn RareSampling>;
+const SPLITTING: Method = Method {
+    new: |space, budget, seed| Box::new(SplittingSampling::new(space, budget, seed)),
+    makes_all: false,
+};
 
-fn repeated(method: Method, problem: &Problem, repetitions: u64, budget: usize) -> Counted {
+fn repeated(by: &Method, problem: &Problem, repetitions: u64, budget: usize) -> Counted {
     let mut counted = Counted::default();
     for repetition in 0..repetitions {
         let space = space(problem.dimensions);
-        let mut method = method(space.clone(), budget, derive_seed(repetition, problem.name));
+        let mut method = (by.new)(space.clone(), budget, derive_seed(repetition, problem.name));
         let runs = run(method.as_mut(), problem, &space);
         assert!(runs <= method.budget() && method.budget() <= budget, "{runs} runs of {budget}");
+        assert!(runs == method.budget() || !by.makes_all, "{runs} runs of {budget}");
         let estimate = RareEstimate::of(&space, method.replicates(), RareScale::Logarithmic);
         assert_eq!(estimate.nominal.0 as usize, method.nominal_runs());
         counted.guaranteed += u64::from(problem.probability <= estimate.guaranteed(0.95));
@@ -79,6 +95,21 @@ fn repeated(method: Method, problem: &Problem, repetitions: u64, budget: usize) 
 /// Three standard errors of the check below a share.
 fn at_least(share: f64, of: u64) -> f64 {
     share - 3.0 * (share * (1.0 - share) / of as f64).sqrt()
+}
+
+/// Of 40 repetitions at most so many are refused, and the error of their mean is less than so much of it.
+fn assert_covers(by: &Method, problem: &Problem, budget: usize, (refused, error_of_mean): (u64, f64)) {
+    let repetitions = 40;
+    let counted = repeated(by, problem, repetitions, budget);
+    let kept = repetitions - counted.refused;
+    let name = problem.name;
+    assert!(counted.refused <= refused, "{name}: {counted:?}");
+    assert!(counted.covered as f64 >= at_least(0.93, kept) * kept as f64, "{name}: {counted:?}");
+    let guaranteed = counted.guaranteed as f64;
+    assert!(guaranteed >= at_least(0.95, repetitions) * repetitions as f64, "{name}: {counted:?}");
+    let (mean, error) = mean_and_error(&counted.values);
+    assert!((mean - problem.probability).abs() < 4.0 * error, "{name}: {mean} ± {error}");
+    assert!(error / mean < error_of_mean, "{name}: it is no better than crude runs: {mean} ± {error}");
 }
 
 #[test]
@@ -101,18 +132,7 @@ fn known_probabilities_are_covered_without_bias() {
         },
     ];
     for problem in problems {
-        let repetitions = 40;
-        let counted = repeated(by_importance, &problem, repetitions, 4000);
-        let kept = repetitions - counted.refused;
-        let name = problem.name;
-        assert!(counted.refused <= 4, "{name}: {counted:?}");
-        assert!(counted.covered as f64 >= at_least(0.93, kept) * kept as f64, "{name}: {counted:?}");
-        let guaranteed = counted.guaranteed as f64;
-        assert!(guaranteed >= at_least(0.95, repetitions) * repetitions as f64, "{name}: {counted:?}");
-        let mean = crate::summary::mean(&counted.values).unwrap();
-        let error = crate::summary::std(&counted.values).unwrap() / (repetitions as f64).sqrt();
-        assert!((mean - problem.probability).abs() < 4.0 * error, "{name}: {mean} ± {error}");
-        assert!(error / mean < 0.02, "{name}: it is no better than crude runs: {mean} ± {error}");
+        assert_covers(&IMPORTANCE, &problem, 4000, (4, 0.02));
     }
 }
 
@@ -131,7 +151,7 @@ fn a_region_that_the_pilot_did_not_see_is_found_or_refused() {
     };
     assert!(tail(2.3) * tail(2.3) < tail(3.5), "it is the rarer of the two");
     let repetitions = 30;
-    let counted = repeated(by_importance, &problem, repetitions, 20_000);
+    let counted = repeated(&IMPORTANCE, &problem, repetitions, 20_000);
     let right = (counted.covered + counted.refused) as f64;
     assert!(right >= at_least(0.93, repetitions) * repetitions as f64, "{counted:?}");
 }
@@ -211,21 +231,16 @@ fn categories_are_found_and_weighed() {
     let mut values = Vec::new();
     for seed in 0..20 {
         let mut method = ImportanceSampling::new(space.clone(), 8000, seed);
-        while let Some(round) = method.ask() {
-            let outcome = |one: &RarePoint| {
-                let place = space.place(&one.point);
-                let wrong = f64::from(u8::from(place.categories[0] >= 3));
-                let row = f64::from(u8::from(place.categories[1] != 2));
-                let score = (2.5 - place.z[0]).max(0.0) + wrong + row;
-                RareOutcome { event: score <= 0.0, score }
-            };
-            let outcomes: Vec<_> = round.points.iter().map(outcome).collect();
-            method.tell(&outcomes);
-        }
+        told(&mut method, |one, _| {
+            let place = space.place(&one.point);
+            let wrong = f64::from(u8::from(place.categories[0] >= 3));
+            let row = f64::from(u8::from(place.categories[1] != 2));
+            let score = (2.5 - place.z[0]).max(0.0) + wrong + row;
+            RareOutcome { event: score <= 0.0, score }
+        });
         values.push(RareEstimate::of(&space, method.replicates(), RareScale::Logarithmic).value);
     }
-    let mean = crate::summary::mean(&values).unwrap();
-    let error = crate::summary::std(&values).unwrap() / 20.0_f64.sqrt();
+    let (mean, error) = mean_and_error(&values);
     assert!((mean - truth).abs() < 4.0 * error, "{mean} ± {error}, and it is {truth}");
     assert!(error < 0.1 * truth, "{mean} ± {error}");
 }
@@ -278,18 +293,7 @@ fn splitting_is_unbiased_and_covers() {
         },
     ];
     for problem in problems {
-        let repetitions = 40;
-        let counted = repeated(by_splitting, &problem, repetitions, 90_000);
-        let kept = repetitions - counted.refused;
-        let name = problem.name;
-        assert!(counted.refused <= 10, "{name}: {counted:?}");
-        assert!(counted.covered as f64 >= at_least(0.93, kept) * kept as f64, "{name}: {counted:?}");
-        let guaranteed = counted.guaranteed as f64;
-        assert!(guaranteed >= at_least(0.95, repetitions) * repetitions as f64, "{name}: {counted:?}");
-        let mean = crate::summary::mean(&counted.values).unwrap();
-        let error = crate::summary::std(&counted.values).unwrap() / (repetitions as f64).sqrt();
-        assert!((mean - problem.probability).abs() < 4.0 * error, "{name}: {mean} ± {error}");
-        assert!(error / mean < 0.05, "{name}: {mean} ± {error}");
+        assert_covers(&SPLITTING, &problem, 90_000, (10, 0.05));
     }
 }
 
@@ -354,18 +358,42 @@ fn splitting_goes_on_from_chance_too() {
     let mut values = Vec::new();
     for seed in 0..20 {
         let mut method = SplittingSampling::new(space.clone(), 20_000, seed);
-        while let Some(round) = method.ask() {
-            let outcome = |one: &RarePoint| {
-                let noise = crate::random::Stream::numbered(seed, one.chance as u64).normal();
-                let score = 4.0 - (space.place(&one.point).z[0] + noise) / 2.0_f64.sqrt();
-                RareOutcome { event: score <= 0.0, score }
-            };
-            let outcomes: Vec<_> = round.points.iter().map(outcome).collect();
-            method.tell(&outcomes);
-        }
+        told(&mut method, |one, _| {
+            let noise = crate::random::Stream::numbered(seed, one.chance as u64).normal();
+            let score = 4.0 - (space.place(&one.point).z[0] + noise) / 2.0_f64.sqrt();
+            RareOutcome { event: score <= 0.0, score }
+        });
         values.push(RareEstimate::of(&space, method.replicates(), RareScale::Logarithmic).value);
     }
-    let mean = crate::summary::mean(&values).unwrap();
-    let error = crate::summary::std(&values).unwrap() / 20.0_f64.sqrt();
+    let (mean, error) = mean_and_error(&values);
     assert!((mean - tail(4.0)).abs() < 4.0 * error && error < 0.2 * mean, "{mean} ± {error}");
+}
+
+/// Whatever the budget and however many levels, no run is asked for that may not be made, and none by the number of another.
+#[test]
+fn splitting_keeps_to_its_budget() {
+    let space = space(2);
+    for budget in (FEWEST_RUNS..3000).step_by(67) {
+        for beta in [-1.0, 2.0, 5.0, 30.0] {
+            for step in [1e-3, 0.2, 100.0] {
+                let mut method = SplittingSampling::new(space.clone(), budget, 7);
+                let most = method.budget();
+                let runs = told(&mut method, |one, _| {
+                    assert!(one.chance < most, "{budget}: {}", one.chance);
+                    let score = ((beta - space.place(&one.point).z[0]) / step).ceil();
+                    RareOutcome { event: score <= 0.0, score }
+                });
+                assert!(runs <= most && most <= budget, "{runs} of {most} of {budget}");
+                let estimate = RareEstimate::of(&space, method.replicates(), RareScale::Logarithmic);
+                let least = SplittingSampling::nominal_runs_of(budget);
+                assert!(estimate.nominal.0 as usize >= least && least > 0, "{:?}", estimate.nominal);
+                assert!((0.0..=1.0).contains(&estimate.value), "{estimate:?}");
+                let weights = method.replicates().iter().map(|one| {
+                    let sum: f64 = one.hits.iter().map(|hit| hit.weight).sum();
+                    (sum / one.runs as f64 - one.probability).abs()
+                });
+                assert!(weights.fold(0.0, f64::max) < 1e-9);
+            }
+        }
+    }
 }
