@@ -1,5 +1,5 @@
 //! What a look ahead in a bend has shown to be free goes on to be free while both move on nearly as they were taken to: so that whoever
-//! comes near nobody is not looked at again and again.
+//! comes near nobody is not looked at again and again, and of whoever does only the last moments are.
 //!
 //! A gap changes no faster than both move, so that a gap known at one moment bounds it before and behind. From two neighbouring moments
 //! follows how much of it is left between them at least; as long as neither is farther from where it was taken to be than that, no
@@ -7,7 +7,8 @@
 
 use scenario::agent::{PedestrianState, VehicleState};
 
-use super::turning::{HORIZON, Moving, ROUNDING_OF_GAPS, gap_between};
+use super::closing::{ROUNDING_OF_GAPS, gap_between};
+use super::turning::{HORIZON, Moving};
 
 /// Looks at a vehicle and a pedestrian ahead, from step to step.
 #[derive(Debug, Clone)]
@@ -54,6 +55,8 @@ impl Motion {
 struct Clear {
     /// When it was looked at, s.
     at: f64,
+    /// For how long from then on, s.
+    lasts: f64,
     motion: Motion,
     /// How far any point of the vehicle moves at most for a metre along its path.
     most: f64,
@@ -62,8 +65,11 @@ struct Clear {
 /// It is looked so far ahead, s: what lies beyond the horizon of a contact is needed later.
 const AHEAD: f64 = HORIZON + 2.5;
 
-/// Who comes nearer than this is looked at step by step, m.
+/// Where somebody comes nearer than this nothing is said to be free, m.
 const NEAR: f64 = 0.05;
+
+/// What was found free is looked for anew where less than this share of it still is.
+const LEAST_LEFT: f64 = 0.8;
 
 /// Looks for what is free, at most.
 const LOOKS: usize = 48;
@@ -89,19 +95,20 @@ impl ContactAhead {
         if !turns && lasts >= HORIZON {
             return super::contact_with(car, person);
         }
-        if self.clear.as_ref().is_some_and(|clear| clear.covers(time, &motion, &self.stretches)) {
-            self.last = Some((time, motion));
+        let free = self.clear.map_or(0.0, |clear| clear.free(time, &motion, &self.stretches));
+        let before = self.last.replace((time, motion));
+        if free >= HORIZON {
             return None;
         }
-        self.clear = None;
-        let found = super::contact_with(car, person);
-        let before = self.last.replace((time, motion));
-        let steady = before.is_some_and(|(earlier, before)| {
-            let apart = before.apart(&motion, time - earlier, 1.0);
-            apart.is_some_and(|(now, later)| now + later * HORIZON <= UNSTEADY)
-        });
-        if found.is_none() && steady {
-            self.clear = Clear::found(time, (car, person), &moving, motion, &mut self.stretches);
+        let found = moving.meets(&Moving::person(person), free);
+        if self.clear.is_none_or(|clear| free <= clear.worth(time)) {
+            let steady = before.is_some_and(|(earlier, before)| {
+                let apart = before.apart(&motion, time - earlier, 1.0);
+                apart.is_some_and(|(now, later)| now + later * HORIZON <= UNSTEADY)
+            });
+            self.clear = steady
+                .then(|| Clear::found(time, (car, person), &moving, motion, &mut self.stretches))
+                .flatten();
         }
         found
     }
@@ -120,10 +127,7 @@ impl Clear {
         let gap = |time: f64| gap_between(&moving.outline(time), &other.outline(time));
         let (mut time, mut left) = (0.0, gap(0.0));
         stretches.clear();
-        while time < AHEAD {
-            if left < NEAR || stretches.len() == LOOKS {
-                return None;
-            }
+        while time < AHEAD && left >= NEAR && stretches.len() < LOOKS {
             let next = (time + left / fastest).min(AHEAD);
             let then = gap(next);
             stretches.push((next, (left + then - fastest * (next - time)) / 2.0));
@@ -131,26 +135,38 @@ impl Clear {
         }
         let (from, size) = (car.motion.travelled, (car.length, car.width));
         // Also where it comes to if it is a little faster.
-        let most = car.path.most_moved((from, from + 2.0 * AHEAD * car.motion.speed + 10.0), size);
-        Some(Self { at, motion, most })
+        let most = car.path.most_moved((from, from + reach(car.motion.speed)), size);
+        (time > 0.0).then_some(Self { at, lasts: time, motion, most })
     }
 
-    /// Whether nothing touches within the horizon who move so at a time (s).
-    fn covers(&self, time: f64, motion: &Motion, stretches: &[(f64, f64)]) -> bool {
+    /// For how long from a time (s) on nothing touches who move so then, s.
+    fn free(&self, time: f64, motion: &Motion, stretches: &[(f64, f64)]) -> f64 {
         let elapsed = time - self.at;
         // The vehicle comes no farther than where the tightest bend was looked for.
-        let reach = self.motion.travelled + 2.0 * AHEAD * self.motion.speed + 10.0;
+        let farthest = self.motion.travelled + reach(self.motion.speed);
         if elapsed < 0.0
-            || elapsed + HORIZON > AHEAD
             || motion.travelled < self.motion.travelled
-            || motion.travelled + HORIZON * motion.speed > reach
+            || motion.travelled + AHEAD * motion.speed > farthest
         {
-            return false;
+            return 0.0;
         }
-        let Some((now, later)) = self.motion.apart(motion, elapsed, self.most) else { return false };
+        let Some((now, later)) = self.motion.apart(motion, elapsed, self.most) else { return 0.0 };
         let ahead = stretches.iter().filter(|(end, _)| *end >= elapsed);
-        ahead.copied().all(|(end, left)| left > now + later * (end - elapsed) + ROUNDING_OF_GAPS)
+        ahead
+            .take_while(|(end, left)| *left > now + later * (end - elapsed) + ROUNDING_OF_GAPS)
+            .last()
+            .map_or(0.0, |(end, _)| end - elapsed)
     }
+
+    /// What of it is worth keeping at a time (s) if so much is still free, s: all of the horizon, where it was looked so far.
+    fn worth(&self, time: f64) -> f64 {
+        if self.lasts >= AHEAD { HORIZON } else { LEAST_LEFT * (self.lasts - (time - self.at)).max(0.0) }
+    }
+}
+
+/// How far a vehicle of this speed (m/s) comes while it is looked ahead, if it becomes a little faster, m.
+fn reach(speed: f64) -> f64 {
+    2.0 * AHEAD * speed + 10.0
 }
 
 #[cfg(test)]

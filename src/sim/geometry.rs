@@ -135,6 +135,35 @@ impl Footprint {
         }
     }
 
+    /// How far it and another are apart, m, as far as their sides tell: 0 or less where they touch, and no more than the distance between
+    /// them elsewhere.
+    pub(super) fn separation(&self, other: &Self) -> f64 {
+        let offset = other.centre - self.centre;
+        match (self.shape, other.shape) {
+            (Shape::Disc { radius }, Shape::Disc { radius: others }) => offset.norm() - radius - others,
+            (Shape::Disc { .. }, Shape::Rectangle { .. }) => other.separation(self),
+            (Shape::Rectangle { length, width }, Shape::Disc { radius }) => {
+                let own = self.own_frame(offset);
+                let beyond = Vector2::new(own.x.abs() - length / 2.0, own.y.abs() - width / 2.0);
+                let outside = beyond.sup(&Vector2::zeros()).norm();
+                (if outside > 0.0 { outside } else { beyond.max() }) - radius
+            }
+            (Shape::Rectangle { length, width }, Shape::Rectangle { length: others, width: other_width }) => {
+                // Along the sides of either: what both turn by from each other tells how far the other one reaches.
+                let turned = self.own_frame(other.heading);
+                let (along, across) = (turned.x.abs(), turned.y.abs());
+                let beyond = |offset: Vector2<f64>, own: (f64, f64), others: (f64, f64)| {
+                    let long = offset.x.abs() - (own.0 + others.0 * along + others.1 * across) / 2.0;
+                    let wide = offset.y.abs() - (own.1 + others.0 * across + others.1 * along) / 2.0;
+                    long.max(wide)
+                };
+                let (own, other_size) = ((length, width), (others, other_width));
+                let of_own = beyond(self.own_frame(offset), own, other_size);
+                of_own.max(beyond(other.own_frame(offset), other_size, own))
+            }
+        }
+    }
+
     pub(super) fn across(&self) -> Vector2<f64> {
         Vector2::new(-self.heading.y, self.heading.x)
     }

@@ -16,6 +16,7 @@
 #![deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro)]
 
 mod clear_ahead;
+mod closing;
 mod contact;
 mod control;
 mod course;

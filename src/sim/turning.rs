@@ -2,110 +2,32 @@
 
 use nalgebra::Vector2;
 
-use super::geometry::{Footprint, apart, first_contact};
+use super::closing::{closes, gap_between, look_before};
+use super::geometry::{Footprint, first_contact};
 use super::solid::Solid;
 use scenario::agent::{PedestrianState, Snapshot, Steered, VehicleState};
 use scenario::{Body, Path, Shape};
 
-/// Outlines that are nearer than this touch, m.
-const TOUCHING: f64 = 1e-9;
-
 /// A contact is not looked for beyond this time, s.
 pub(super) const HORIZON: f64 = 10.0;
 
-/// A step to the next moment is at least this, s: what only grazes for so short a time is no contact.
-const LEAST_STEP: f64 = 4e-3;
+/// A contact ahead is looked for at multiples of this, s: what only grazes for so short a time is no contact.
+const LEAST_AHEAD: f64 = 1.0 / 256.0;
+
+/// The same within a step.
+const LEAST_IN_STEP: f64 = 1.0 / 1024.0;
 
 /// Two places that are nearer than this are one, m.
 const ROUNDING: f64 = 1e-9;
 
-/// A gap is worked out to this, m, and far better.
-pub(super) const ROUNDING_OF_GAPS: f64 = 1e-6;
-
 /// What a vehicle grazes for less than this of its way it does not touch, m.
-const LEAST_WAY: f64 = 0.05;
-
-/// Outlines whose circles are farther apart than this are not looked at more closely, m.
-const FAR: f64 = 0.5;
-
-/// Between two outlines, m: no more than it is, and what it is where they are near.
-pub(super) fn gap_between(one: &Footprint, other: &Footprint) -> f64 {
-    let of_circles = (other.centre - one.centre).norm() - one.radius() - other.radius();
-    if of_circles > FAR { of_circles } else { apart(one, other) }
-}
+const LEAST_WAY: f64 = 1.0 / 16.0;
 
 /// The outline of a vehicle at a place of its path.
 fn vehicle_at(path: &Path, place: f64, (length, width): (f64, f64)) -> Footprint {
     let shape = Shape::Rectangle { length, width };
     let (centre, heading) = path.pose(place);
     Footprint { centre, heading, shape }
-}
-
-/// The first moment between two at which a gap closes that grows no faster than `fastest` (m/s), s.
-fn closes(gap: impl Fn(f64) -> f64, fastest: f64, (from, to): (f64, f64), least: f64) -> Option<f64> {
-    let (mut before, mut time) = ((from, f64::INFINITY), from);
-    loop {
-        let left = gap(time);
-        if left <= TOUCHING {
-            return Some(if time > from { moment(gap, before, time) } else { time });
-        }
-        // Nothing that is farther apart than all that is left of the way closes any more.
-        if time >= to || left > fastest * (to - time) * (1.0 + 1e-9) + ROUNDING_OF_GAPS {
-            return None;
-        }
-        before = (time, left);
-        time = (time + (left / fastest).max(least)).min(to);
-    }
-}
-
-/// Where a gap closes that is open by so much at one moment and closed at another: found by halves, of which most are answered by
-/// what [`narrowed`] looked at.
-fn moment(gap: impl Fn(f64) -> f64, (mut open, left): (f64, f64), mut closed: f64) -> f64 {
-    let known = narrowed(&gap, (open, left), closed);
-    while closed - open > closeness(closed) {
-        let middle = (open + closed) / 2.0;
-        if middle >= known.1 || (middle > known.0 && gap(middle) <= TOUCHING) {
-            closed = middle;
-        } else {
-            open = middle;
-        }
-    }
-    closed
-}
-
-/// A moment is found to this, s.
-fn closeness(moment: f64) -> f64 {
-    1e-12 * (1.0 + moment)
-}
-
-/// Looks of [`narrowed`], at most.
-const LOOKS: usize = 12;
-
-/// An open moment and a closed one, as near to each other as a few secants bring them.
-fn narrowed(gap: impl Fn(f64) -> f64, (open, left): (f64, f64), closed: f64) -> (f64, f64) {
-    let near = closeness(closed);
-    let (mut older, mut open, mut closed) = ((open, left), (open, left), closed);
-    let mut at = open.0 + (closed - open.0) / 16.0;
-    for _ in 0..LOOKS {
-        let left = gap(at);
-        if left <= TOUCHING {
-            closed = at;
-        } else {
-            (older, open) = (open, (at, left));
-        }
-        let way = (open.1 - TOUCHING) * (open.0 - older.0) / (older.1 - open.1);
-        // A little before or behind where the line through both meets zero, so that each look moves one of the two ends.
-        let aside = near.max(way / 1024.0);
-        let aimed = open.0 + way;
-        at = if aimed + aside < closed { aimed + aside } else { aimed - aside };
-        if closed - open.0 <= 2.0 * near {
-            break;
-        }
-        if !(at > open.0 && at < closed) {
-            at = (open.0 + closed) / 2.0;
-        }
-    }
-    (open.0, closed)
 }
 
 /// The time (s) after which two touch first who move on from now, vehicles along their paths at the speed that they have;
@@ -116,7 +38,7 @@ pub(super) fn contact_ahead(
     boxes: &[Body],
 ) -> Option<f64> {
     let (one, other) = (Moving::new(first, state, boxes)?, Moving::new(second, state, boxes)?);
-    one.meets(&other)
+    one.meets(&other, 0.0)
 }
 
 /// The same of a vehicle and a pedestrian.
@@ -124,7 +46,7 @@ pub(super) fn contact_ahead(
 pub fn contact_with(vehicle: &VehicleState, pedestrian: &PedestrianState) -> Option<f64> {
     match vehicle.keeps_straight() {
         true => first_contact(vehicle, pedestrian, pedestrian.velocity - vehicle.velocity()),
-        false => Moving::vehicle(vehicle).meets(&Moving::Person(pedestrian)),
+        false => Moving::vehicle(vehicle).meets(&Moving::Person(pedestrian), 0.0),
     }
 }
 
@@ -132,7 +54,7 @@ pub fn contact_with(vehicle: &VehicleState, pedestrian: &PedestrianState) -> Opt
 pub fn vehicles_meet(one: &VehicleState, other: &VehicleState) -> Option<f64> {
     match one.keeps_straight() && other.keeps_straight() {
         true => Footprint::from(one).first_contact(&other.into(), other.velocity() - one.velocity()),
-        false => Moving::vehicle(one).meets(&Moving::vehicle(other)),
+        false => Moving::vehicle(one).meets(&Moving::vehicle(other), 0.0),
     }
 }
 
@@ -222,16 +144,20 @@ impl<'a> Moving<'a> {
         speed * car.path.most_moved((from, to), (car.length, car.width))
     }
 
-    /// When it first touches another: exactly while both go straight on, by steps that no contact can hide in where one turns.
-    fn meets(&self, other: &Self) -> Option<f64> {
+    /// When it first touches another who is known not to touch it for so many seconds: exactly while both go straight on, by looks
+    /// that no contact can hide between where one turns.
+    pub(super) fn meets(&self, other: &Self, free: f64) -> Option<f64> {
         let mut time = 0.0;
         loop {
             let ((one_turns, one_for), (other_turns, other_for)) = (self.turns(time), other.turns(time));
             let lasts = one_for.min(other_for);
-            let found = if one_turns || other_turns {
+            let found = if time + lasts <= free {
+                None
+            } else if one_turns || other_turns {
                 let end = (time + lasts).min(HORIZON);
+                let from = look_before(free, LEAST_AHEAD).max(time);
                 let gap = |time: f64| gap_between(&self.outline(time), &other.outline(time));
-                closes(gap, self.fastest(time, end) + other.fastest(time, end), (time, end), LEAST_STEP)
+                closes(gap, self.fastest(from, end) + other.fastest(from, end), (from, end), LEAST_AHEAD)
             } else {
                 let velocity = other.velocity(time) - self.velocity(time);
                 let met = self.outline(time).first_contact(&other.outline(time), velocity);
@@ -339,7 +265,7 @@ pub(super) fn touch_on_a_bend(
         Solid::Box(_) => 0.0,
     };
     let gap = |time: f64| gap_between(&outline(first, time), &outline(second, time));
-    closes(gap, fastest(first) + fastest(second), (0.0, duration), duration / 32.0)
+    closes(gap, fastest(first) + fastest(second), (0.0, duration), LEAST_IN_STEP)
 }
 
 /// Whether a body turns between two states.
@@ -365,11 +291,11 @@ pub(crate) fn touched_between(
     let diagonal = libm::hypot(size.0, size.1);
     let (low, high) = (place - diagonal - outline.radius(), place + diagonal + outline.radius());
     let fastest = path.most_moved((low, high), size);
-    // Inwards from where it cannot touch, no farther than what is left between the two.
+    // Inwards from where it cannot touch, no farther than what is left between the two; backwards in places that are counted backwards.
     let touched = |from: f64, to: f64| {
         let sign = (to - from).signum();
-        let gap = |way: f64| gap_between(&vehicle_at(path, from + sign * way, size), outline);
-        closes(gap, fastest, (0.0, (to - from).abs()), LEAST_WAY).map(|way| from + sign * way)
+        let gap = |place: f64| gap_between(&vehicle_at(path, sign * place, size), outline);
+        closes(gap, fastest, (sign * from, sign * to), LEAST_WAY).map(|place| sign * place)
     };
     match known {
         None => {
@@ -466,7 +392,8 @@ mod tests {
             Footprint::from(&person(path.to_world(Vector2::new(7.0, -0.8)), Vector2::zeros(), false));
         let (first, last) = touched_between(&path, (4.36, 1.82), &outline, 7.0, None);
         let (first, last) = (first.unwrap(), last.unwrap());
-        let touches = |place: f64| apart(&vehicle_at(&path, place, (4.36, 1.82)), &outline) == 0.0;
+        let touches =
+            |place: f64| crate::geometry::apart(&vehicle_at(&path, place, (4.36, 1.82)), &outline) == 0.0;
         let looked: Vec<f64> =
             (0..20_000).map(|step| f64::from(step) * 1e-3 - 5.0).filter(|at| touches(*at)).collect();
         assert!((looked[0] - first).abs() < 2e-3, "{first}, not {}", looked[0]);
