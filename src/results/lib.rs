@@ -74,7 +74,7 @@ pub use recorded::{Recorded, RecordedReport, RecordedState, Rerun};
 pub use recording::{PairCourse, Recording};
 pub use requests::Requests;
 pub use resolve::UnknownMetric;
-pub use search::{CoursePoint, Found, MetricCourse, SearchResult};
+pub use search::{CoursePoint, Found, FrontPoint, MetricCourse, SearchResult, UsualEncounters};
 pub use skip::{Skip, Stopping};
 pub use standing::Standing;
 pub use statement::{ClaimResult, ClaimValues, Conclusion, StatementResult, TrendPoint};

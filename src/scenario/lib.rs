@@ -29,6 +29,7 @@ mod dimension;
 mod direction;
 mod distribution;
 mod draw;
+mod draw_tail;
 mod entry;
 mod estimate;
 mod evaluate;
@@ -110,8 +111,8 @@ pub use metric::{Absence, Meters, Metric, MetricKind, MetricRange, Scope, Worst}
 pub use notation::{Notation, Written, out_of_range, show, show_apart, show_both, show_outside};
 pub use observations::{ObservationError, Observations, ObservedRow};
 pub use optimisation::{
-    Budget, CaseSet, Goal, InitialDesign, Objective, Part, RangeValues, SampleSize, Search, SearchMethod,
-    SearchRange, ShownIn, Target, Tune,
+    Budget, CaseSet, Goal, InitialDesign, Keep, Objective, Part, RangeValues, SampleSize, Search,
+    SearchMethod, SearchRange, ShownIn, Target, Tune,
 };
 pub use origin::Origin;
 pub use path::{Located, Path};

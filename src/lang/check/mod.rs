@@ -18,6 +18,7 @@ mod fmu;
 mod gate;
 mod group;
 mod junction;
+mod keep;
 mod literal;
 mod metric;
 mod model;

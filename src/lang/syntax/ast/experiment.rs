@@ -22,13 +22,15 @@ views! {
         over: [Over],
         budget: (Budget),
         repeat: (Repeat),
-        keep: (Constraint),
+        keep: (Keep),
     }
     /// `in SCENARIO`
     SearchIn = search_in { name: Name }
     Together = together {}
-    /// `keep pet < 1.5 s`, or what a tune is subject to
-    Constraint = keep | constraint { condition: Condition, undefined: (Undefined) }
+    /// `keep pet < 1.5 s and plausibility >= 5 %`
+    Keep = keep { each: [Constraint] }
+    /// What a search keeps, or what a tune is subject to
+    Constraint = constraint { condition: Condition, undefined: (Undefined) }
     /// `tune NAME { … }`
     Tune = tune { name: Name, block: TuneBlock }
     TuneBlock = tune_block {
@@ -343,8 +345,8 @@ pub static SEARCH_BLOCK: BlockEntry = BlockEntry {
         statement(
             "keep",
             Rule::keep,
-            "keep pet < 1.5 s",
-            "Which of the worst cases belong to the set that the search makes.",
+            "keep pet < 1.5 s`, `keep pet < 1.5 s and plausibility >= 5 %",
+            "Which of the worst cases belong to the set that the search makes: by what is measured, and by how usual the encounter is.",
         )
         .key("keep", YamlShape::Words),
     ],
