@@ -146,6 +146,8 @@ impl Mixture {
             assumption: _,
             guaranteed: _,
             unseen: _,
+            // Out of that and of what the block says.
+            per_1000_km: _,
             nominal_runs,
             nominal_hits,
             hits,

@@ -42,7 +42,9 @@ impl KnownDistribution<'_> {
             Self::Weighted { options: listed, weights } => return options(listed, &|index| weights[index]),
             _ => {}
         }
-        let Some(number) = value.as_number() else { return Tail::of_equals(false) };
+        let Some(number) = value.as_number().filter(|number| !number.is_nan()) else {
+            return Tail::of_equals(false);
+        };
         if self.is_constant() {
             return Tail::of_equals(self.nominal().is_some_and(|(only, _)| only == number));
         }
@@ -204,7 +206,7 @@ mod tests {
         assert_eq!(constant.tail(&Value::Number(2.0)).share, 1.0);
         // What is not a number of anything is no more usual than nothing.
         let normal = KnownDistribution::Normal { mean: 2.0, standard_deviation: 1.0 };
-        assert!(!(normal.tail(&Value::Number(f64::NAN)).share > 0.0));
+        assert_eq!(normal.tail(&Value::Number(f64::NAN)).share, 0.0);
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! `keep pet < 1.5 s and plausibility >= 5 %` of a search
 
+use super::comparison::{bound_in, constant_comparison};
 use super::criterion;
-use super::experiment::{bound_in, constant_comparison};
 use super::metric::Cast;
 use super::subject::StatementSubject;
 use crate::codes::Code;

@@ -5,6 +5,7 @@ mod block;
 mod book;
 mod calibrate;
 mod claim;
+mod comparison;
 mod confidence;
 mod controller;
 mod criterion;

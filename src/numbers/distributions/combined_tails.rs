@@ -73,7 +73,8 @@ pub fn combined_tail(tails: &[Tail]) -> Option<f64> {
         let both = levels.iter().flat_map(|(one, p)| list.iter().map(move |(other, q)| (one * other, p * q)));
         levels = merged(both.collect());
     }
-    if product <= 0.0 {
+    // Also of what is no number: nobody takes it for usual.
+    if product.is_nan() || product <= 0.0 {
         return Some(0.0);
     }
     let below = |(level, probability): &(f64, f64)| probability * product_at_most(product / level, uniform);
@@ -124,6 +125,7 @@ mod tests {
         // One thing is as usual as it is.
         assert!((combined_tail(&[Tail::of_density(0.05)]).unwrap() - 0.05).abs() < 1e-15);
         assert_eq!(combined_tail(&[]), None);
+        assert_eq!(combined_tail(&[Tail::of_density(f64::NAN), Tail::of_density(0.5)]), Some(0.0));
     }
 
     #[test]

@@ -42,7 +42,9 @@ impl Normal {
         }
         let apart = (value - self.mean).abs();
         let outside = self.between(low, self.mean - apart) + self.between(self.mean + apart, high);
-        (outside / self.between(low, high)).min(1.0)
+        let inside = self.between(low, high);
+        // Ends so far out in a tail that nothing is left between them to be seen.
+        if inside > 0.0 { (outside / inside).min(1.0) } else { 0.0 }
     }
 
     /// The share of values between two ends, of whichever tail they are in without cancelling; none if they are in the wrong order.
@@ -227,6 +229,7 @@ mod tests {
             assert!(((normal.cumulative(value) - low) / (high - low) - share).abs() < 1e-13, "{share}");
         }
         // So far out that all shares round to the same.
+        assert_eq!(normal.tail_within(100.5, 100.0, 101.0), 0.0);
         let far = normal.quantile_within(0.5, 100.0, 101.0);
         assert!((100.0..=101.0).contains(&far));
     }

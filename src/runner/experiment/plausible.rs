@@ -35,7 +35,7 @@ struct KnownPerson {
 
 /// What of an encounter counts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Regarding {
+pub enum PartsCounted {
     /// All of it: of a single run.
     Whole,
     /// What the runs of an evaluation share; what each draws for itself is left to the mean over them.
@@ -92,7 +92,7 @@ impl PlausibleEncounters {
 
     /// The share of all encounters that are no more usual than a case. `None` where that cannot be said: of somebody of whom the population
     /// says nothing, or where what an evaluation shares hangs on what each of its runs draws.
-    pub fn of_case(&self, case: &Case, regarding: Regarding) -> Option<EncounterPlausibility> {
+    pub fn of_case(&self, case: &Case, counted: PartsCounted) -> Option<EncounterPlausibility> {
         let mut values: Variables = plan::variables(&case.variation);
         let given: BTreeSet<String> = values.keys().cloned().collect();
         for one in &case.drawn {
@@ -101,7 +101,7 @@ impl PlausibleEncounters {
         let mut parts: Vec<(String, Tail)> = Vec::new();
         for draw in &self.scenario.draws {
             let is_given = draw.names.iter().any(|name| given.contains(name));
-            if regarding == Regarding::Shared {
+            if counted == PartsCounted::Shared {
                 if !is_given {
                     continue;
                 }
@@ -117,7 +117,7 @@ impl PlausibleEncounters {
             parts.push((draw.names.join(", "), draw.tail(&values).ok()?));
         }
         for known in &self.people {
-            if regarding == Regarding::Shared && (known.is_drawn || self.together) {
+            if counted == PartsCounted::Shared && (known.is_drawn || self.together) {
                 if known.varied.is_empty() {
                     continue;
                 }

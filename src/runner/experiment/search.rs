@@ -8,9 +8,9 @@ use super::context::{BlockProgress, Context};
 use super::error::ExperimentError;
 use super::journal::Record;
 use super::overrides;
-use super::plausible::{EncounterPlausibility, PlausibleEncounters, Regarding, front};
+use super::plausible::{EncounterPlausibility, PartsCounted, PlausibleEncounters, front};
 use super::rounds::{EvaluateRound, Optimisation, optimise};
-use super::searched::{FRESH_RUNS, Group, Searched, named_at};
+use super::searched::{FRESH_RUNS, Searched, SearchedPeople, named_at};
 use numbers::random::derive_seed;
 use numbers::summary::mean;
 use optimise::{self, Definition, Evaluation, Margin, Method, ObjectiveValue, Optimiser, Proposal};
@@ -62,7 +62,7 @@ pub fn run_search(
     };
     let (mut found, mut over) = (Vec::with_capacity(groups.len()), Vec::with_capacity(groups.len()));
     for groups in groups.chunks(SIDE_BY_SIDE) {
-        let begin = |group: &Group| under.begin(group);
+        let begin = |group: &SearchedPeople| under.begin(group);
         let mut all =
             context.executor.think(|| groups.par_iter().map(begin).collect::<Result<Vec<_>, _>>())?;
         optimise(context, &mut all, &Groups { under: &under, groups })?;
@@ -141,7 +141,7 @@ struct Under<'a> {
 /// Groups that are searched for side by side.
 struct Groups<'a> {
     under: &'a Under<'a>,
-    groups: &'a [Group],
+    groups: &'a [SearchedPeople],
 }
 
 impl EvaluateRound for Groups<'_> {
@@ -175,7 +175,7 @@ impl EvaluateRound for Groups<'_> {
 
 impl Under<'_> {
     /// The search for one group of people.
-    fn begin(&self, group: &Group) -> Result<Optimisation, ExperimentError> {
+    fn begin(&self, group: &SearchedPeople) -> Result<Optimisation, ExperimentError> {
         let suite = self.context.suite;
         let name = self.searched.name(group);
         let space = overrides::space(&self.search.over)?;
@@ -188,11 +188,15 @@ impl Under<'_> {
     }
 
     /// What was found for each of the groups, whose best points are run again and with fresh seeds.
-    fn conclude(&self, groups: &[Group], all: &[Optimisation]) -> Result<Vec<Found>, ExperimentError> {
+    fn conclude(
+        &self,
+        groups: &[SearchedPeople],
+        all: &[Optimisation],
+    ) -> Result<Vec<Found>, ExperimentError> {
         let context = self.context;
-        let each = |(group, one): (&Group, &Optimisation)| self.conclude_one(group, &one.optimiser);
+        let each = |(group, one): (&SearchedPeople, &Optimisation)| self.conclude_one(group, &one.optimiser);
         let mut found = context.executor.think(|| groups.par_iter().zip(all).map(each).collect::<Vec<_>>());
-        let once_more = |(group, one): (&Group, &Optimisation)| {
+        let once_more = |(group, one): (&SearchedPeople, &Optimisation)| {
             let Some(best) = one.optimiser.best_observed() else { return Ok(Vec::new()) };
             let name = self.searched.name(group);
             let again = format!("{name}/evaluation={}", best.id);
@@ -222,7 +226,7 @@ impl Under<'_> {
     }
 
     /// What the optimiser found, of which nothing is run yet.
-    fn conclude_one(&self, group: &Group, optimiser: &Optimiser) -> Found {
+    fn conclude_one(&self, group: &SearchedPeople, optimiser: &Optimiser) -> Found {
         let evaluations = optimiser
             .trials()
             .iter()
@@ -310,10 +314,10 @@ impl Under<'_> {
     fn plausibility(&self, cases: &[Case]) -> Option<EncounterPlausibility> {
         let encounters = self.encounters.as_ref()?;
         if let [case] = cases {
-            return encounters.of_case(case, Regarding::Whole);
+            return encounters.of_case(case, PartsCounted::Whole);
         }
         let each = cases.iter().filter(|case| case.repetition == 1);
-        let each: Option<Vec<_>> = each.map(|case| encounters.of_case(case, Regarding::Shared)).collect();
+        let each: Option<Vec<_>> = each.map(|case| encounters.of_case(case, PartsCounted::Shared)).collect();
         each?.into_iter().min_by(|one, other| one.share.total_cmp(&other.share))
     }
 
@@ -332,7 +336,7 @@ impl Under<'_> {
             plausibility: self
                 .encounters
                 .as_ref()
-                .and_then(|encounters| encounters.of_case(case, Regarding::Whole))
+                .and_then(|encounters| encounters.of_case(case, PartsCounted::Whole))
                 .map(|one| one.share),
         });
         self.context.case_runs(saved, outcomes)
@@ -342,11 +346,11 @@ impl Under<'_> {
     /// seeds.
     fn usual(
         &self,
-        groups: &[Group],
+        groups: &[SearchedPeople],
         found: &mut [Found],
     ) -> Result<Option<UsualEncounters>, ExperimentError> {
         let Some(encounters) = &self.encounters else { return Ok(None) };
-        let of_group = |(group, found): (&Group, &mut Found)| -> Result<Vec<_>, ExperimentError> {
+        let of_group = |(group, found): (&SearchedPeople, &mut Found)| -> Result<Vec<_>, ExperimentError> {
             let name = self.searched.name(group);
             let one = |(id, (point, _)): (usize, &(Vec<optimise::Coordinate>, Option<f64>))| {
                 let key = format!("{name}/evaluation={id}");
@@ -422,7 +426,7 @@ impl Under<'_> {
     }
 
     /// Gives those who were kept, the worst first, their courses.
-    fn follow(&self, groups: &[Group], found: &mut [Found]) -> Result<(), ExperimentError> {
+    fn follow(&self, groups: &[SearchedPeople], found: &mut [Found]) -> Result<(), ExperimentError> {
         if self.search.keep.is_empty() || self.search.together {
             return Ok(());
         }
@@ -456,7 +460,7 @@ impl Under<'_> {
     fn courses(
         &self,
         index: usize,
-        group: &Group,
+        group: &SearchedPeople,
         found: &Found,
     ) -> Result<Vec<AskedPoint>, ExperimentError> {
         let best: Vec<_> = found.best.iter().flatten().map(|(_, value)| value.clone()).collect();

@@ -14,7 +14,7 @@ pub const FRESH_RUNS: u32 = 20;
 const AT_POINT: &str = "/at=";
 
 /// People who are all in every evaluation, each of them one or several pedestrians.
-pub type Group = Vec<Vec<Individual>>;
+pub type SearchedPeople = Vec<Vec<Individual>>;
 
 /// A search with the scenario that it is of.
 pub struct Searched<'a> {
@@ -30,7 +30,7 @@ impl<'a> Searched<'a> {
     }
 
     /// Everybody by themselves, or all together.
-    pub fn groups(&self) -> Result<Vec<Group>, ExperimentError> {
+    pub fn groups(&self) -> Result<Vec<SearchedPeople>, ExperimentError> {
         let people = plan::select_people(self.suite.seed, &self.scenario)?;
         Ok(match self.search.together {
             true => vec![people],
@@ -80,7 +80,7 @@ impl<'a> Searched<'a> {
     pub fn same_encounter(
         &self,
         key: &str,
-        group: &Group,
+        group: &SearchedPeople,
         point: &[Coordinate],
         cases: &[Case],
     ) -> Result<Vec<Case>, ExperimentError> {

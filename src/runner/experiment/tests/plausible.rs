@@ -1,7 +1,7 @@
 //! How usual the encounters of a search are, and what is kept for it.
 
 use super::*;
-use crate::experiment::plausible::{PlausibleEncounters, Regarding, front};
+use crate::experiment::plausible::{PartsCounted, PlausibleEncounters, front};
 use crate::plan::plan_scenario;
 use crate::run::{MeasuredMetrics, RunBatch, Stop, Wanted};
 use numbers::distributions::normal::Normal;
@@ -81,7 +81,7 @@ fn of_drawn_encounters_a_share_is_at_most_as_plausible_as_that_share() {
     let known = encounters(&suite.scenarios[0], &suite.searches[0]);
     assert_eq!(known.parts(), ["pace", "tta", "walker"]);
     let shares: Vec<f64> =
-        cases.iter().map(|case| known.of_case(case, Regarding::Whole).unwrap().share).collect();
+        cases.iter().map(|case| known.of_case(case, PartsCounted::Whole).unwrap().share).collect();
     for share in [0.01, 0.05, 0.25, 0.5, 0.9] {
         let below = shares.iter().filter(|one| **one <= share).count() as f64 / shares.len() as f64;
         let error = (share * (1.0 - share) / shares.len() as f64).sqrt();
@@ -95,7 +95,7 @@ fn an_encounter_is_as_usual_as_its_parts_say() {
     let case = plan_scenario(&suite, &suite.scenarios[0]).unwrap().trial(0).cases.first();
     let known = encounters(&suite.scenarios[0], &suite.searches[0]);
     let case = with_value(&with_value(&case, "pace", 8.0), "tta", 11.0);
-    let found = known.of_case(&case, Regarding::Whole).unwrap();
+    let found = known.of_case(&case, PartsCounted::Whole).unwrap();
     let model = &case.world.pedestrians[0].model;
     let declaration = &model.model.known().unwrap().declaration;
     let person =
@@ -110,11 +110,11 @@ fn an_encounter_is_as_usual_as_its_parts_say() {
     // In whatever order it is declared.
     let mut turned = suite.scenarios[0].clone();
     turned.draws.reverse();
-    let share = encounters(&turned, &suite.searches[0]).of_case(&case, Regarding::Whole).unwrap().share;
+    let share = encounters(&turned, &suite.searches[0]).of_case(&case, PartsCounted::Whole).unwrap().share;
     assert_eq!(share.to_bits(), found.share.to_bits());
     // What is never drawn.
     let never = with_value(&case, "pace", 8.5);
-    assert_eq!(known.of_case(&never, Regarding::Whole).unwrap().share, 0.0);
+    assert_eq!(known.of_case(&never, PartsCounted::Whole).unwrap().share, 0.0);
 }
 
 #[test]
@@ -125,10 +125,10 @@ fn what_the_runs_of_an_evaluation_do_not_share_is_left_out_or_unknown() {
     let searched = Case { variation: vec![tta], ..case };
     // The gap hangs on a speed that is another in every run.
     let known = encounters(&suite.scenarios[0], &suite.searches[0]);
-    assert_eq!(known.of_case(&searched, Regarding::Shared), None);
+    assert_eq!(known.of_case(&searched, PartsCounted::Shared), None);
     suite.scenarios[0].draws[1] = draw("tta", normal(9.0, 1.5), "s");
     let known = encounters(&suite.scenarios[0], &suite.searches[0]);
-    let shared = known.of_case(&searched, Regarding::Shared).unwrap();
+    let shared = known.of_case(&searched, PartsCounted::Shared).unwrap();
     assert_eq!(shared.parts, [("tta".to_string(), Normal { mean: 9.0, standard_deviation: 1.5 }.tail(7.0))]);
     // A person of whom the population says nothing.
     let mut search = suite.searches[0].clone();
@@ -137,7 +137,7 @@ fn what_the_runs_of_an_evaluation_do_not_share_is_left_out_or_unknown() {
     let mut odd = searched.clone();
     let world = std::sync::Arc::make_mut(&mut odd.world);
     world.pedestrians[0].model.settings.set("dt", Value::Number(0.0421));
-    assert_eq!(encounters(&suite.scenarios[0], &search).of_case(&odd, Regarding::Whole), None);
+    assert_eq!(encounters(&suite.scenarios[0], &search).of_case(&odd, PartsCounted::Whole), None);
     // A scenario that says nothing.
     let mut nothing = scenario();
     nothing.pedestrians[0].individuals = None;
