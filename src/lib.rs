@@ -182,7 +182,9 @@ pub mod corpus {
 
 /// What blocks of a file need of each other, and the cases and parameters that they leave in files.
 pub mod experiment {
-    pub use runner::experiment::{CaseFile, ExperimentError, Need, ParameterFile, apply_settings, needs};
+    pub use runner::experiment::{
+        CaseFile, ExperimentError, Need, ParameterFile, apply_settings, needs, searched_case,
+    };
 }
 
 /// A failing case made as simple as it can be while it fails.

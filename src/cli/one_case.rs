@@ -10,6 +10,7 @@ use super::programs::ProgramArguments;
 use super::set::SetArguments;
 use report::console::stderr;
 use runner::corpus;
+use runner::experiment::searched_case;
 use runner::plan::{PlannedTrial, plan_scenario};
 use runner::project::{PlannedSuite, Project};
 use runner::run::BatchError;
@@ -104,6 +105,11 @@ impl CaseArguments {
         };
         if let Some(found) = key.contains("/u=").then(|| supporting.find_map(of)).flatten() {
             return Ok(found);
+        }
+        // A run of an evaluation of a search, which no trial has.
+        let searched = |suite: &'a PlannedSuite| Some((suite, searched_case(&suite.suite, key)?));
+        if let Some((suite, case)) = suites.iter().find_map(searched) {
+            return Ok(FoundCase { suite, case, criteria: Vec::new() });
         }
         writeln!(stderr(), "error: no run is called `{key}`");
         let similarity = |known: &str| (strsim::normalized_levenshtein(known, key) * 1e6) as u64;

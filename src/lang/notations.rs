@@ -31,7 +31,7 @@ pub fn of(suite: &Suite) -> Vec<(MetricReference, Notation)> {
     // Of a rate, the notation would be that of a share.
     let of_values = |aggregate: &Aggregate| !matches!(aggregate, Aggregate::Rate(_) | Aggregate::Count(_));
     for search in &suite.searches {
-        search.keep.iter().for_each(|keep| take(&keep.metric, search.keep_in));
+        search.kept_metrics().for_each(|(keep, written_in)| take(&keep.metric, written_in));
     }
     for tune in &suite.tunes {
         for (index, constraint) in tune.constraints.iter().enumerate() {

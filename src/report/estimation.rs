@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::columns::columns;
 use super::wording::verdict_word;
-use results::{EstimateResult, EstimatedRun};
+use results::{EstimateResult, EstimatedRun, EventsPerDistance};
 use scenario::{EstimateMethod, significant};
 
 const STRING: &str = "writing to a string cannot fail";
@@ -71,6 +71,46 @@ pub(super) fn sentences(result: &EstimateResult) -> Vec<String> {
             result.replicates.len(),
             percent(result.relative_deviation)
         ));
+    }
+    sentences.extend(result.per_1000_km.iter().flat_map(|along| per_distance(result, along)));
+    sentences
+}
+
+/// The same along a distance.
+fn per_distance(result: &EstimateResult, along: &EventsPerDistance) -> Vec<String> {
+    let EventsPerDistance { encounters, guaranteed, value, interval, unseen, .. } = along;
+    let level = percent(along.confidence);
+    let range = |low: f64, high: f64| match number(low) == number(high) {
+        true => number(low),
+        false => format!("{} to {}", number(low), number(high)),
+    };
+    let sure = match along.exposure_confidence {
+        Some(sure) => format!(", at {}", percent(sure)),
+        None => ", taken for granted".to_string(),
+    };
+    let estimate = if result.refusals.is_empty() {
+        format!(
+            "estimate {} [{}, {}] at {level}",
+            range(value.low, value.high),
+            number(interval.low),
+            number(interval.high)
+        )
+    } else {
+        "the estimate is refused".to_string()
+    };
+    let mut sentences = vec![
+        format!(
+            "exposure: {} encounters in 1,000 km{sure}, as given: {}",
+            range(encounters.low, encounters.high),
+            along.source
+        ),
+        format!(
+            "per 1,000 km, events to be expected: guaranteed at most {} at {level}; {estimate}",
+            number(*guaranteed)
+        ),
+    ];
+    if result.method != EstimateMethod::Crude {
+        sentences.push(format!("  unseen: up to {} at {level}", number(*unseen)));
     }
     sentences
 }

@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use super::columns::columns;
 use super::shown_value::{WITHOUT_VALUE, value};
+use super::usual::{render_usual, tail_text, who};
 use numbers::summary::quantile;
 use results::{Found, SearchResult};
 use scenario::{Goal, ShownIn};
@@ -40,6 +41,7 @@ pub fn render_search(result: &SearchResult) -> String {
         writeln!(text, "{unknown} of {all} evaluations have no value: {WITHOUT_VALUE}").expect(STRING);
     }
     writeln!(text, "{} of {} kept", result.kept.cases.len(), result.found.len()).expect(STRING);
+    text += &render_usual(result);
     text
 }
 
@@ -59,18 +61,12 @@ fn says_plausibility(result: &SearchResult) -> bool {
 }
 
 fn line(result: &SearchResult, found: &Found) -> Vec<String> {
-    let who: Vec<_> = found.individuals.iter().map(|person| person.number.to_string()).collect();
-    let who = match who.as_slice() {
-        [] => "all".to_string(),
-        [one] => one.clone(),
-        several => format!("{} people", several.len()),
-    };
     let point = found.best.iter().flatten().enumerate();
     let point = point.map(|(index, (name, at))| format!("{name} {}", value(result.shown_in.get(index), at)));
     let unit = &result.objective_in;
     let of_objective = |value: Option<f64>| value.map_or("–".into(), |value| unit.show(value));
     let mut line = vec![
-        who,
+        who(found),
         point.collect::<Vec<_>>().join(", "),
         of_objective(found.observed),
         found
@@ -84,16 +80,6 @@ fn line(result: &SearchResult, found: &Found) -> Vec<String> {
         line.push(found.plausibility.map_or("–".into(), tail_text));
     }
     line
-}
-
-/// How usual somebody is: such as `12 %`, and of the rarest `0.3 %`.
-pub fn tail_text(share: f64) -> String {
-    match 100.0 * share {
-        0.0 => "0 %".to_string(),
-        rare if rare < 0.1 => "< 0.1 %".to_string(),
-        rare if rare < 10.0 => format!("{rare:.1} %"),
-        usual => format!("{usual:.0} %"),
-    }
 }
 
 /// Quantiles over everybody of what each line says, and how many were first.

@@ -359,6 +359,17 @@ fn block_case(report: &SuiteReport, block: &BlockReport) -> TestCase {
     let mut case = TestCase::new(&block.key, problem);
     case.property("seed", &report.identity.seed.to_string());
     case.property("replay", &report.identity.block_command(&block.key));
+    if let Some(BlockResult::Estimate(estimate)) = block.result()
+        && let Some(along) = &estimate.per_1000_km
+    {
+        let interval = match estimate.refusals.is_empty() {
+            true => format!("{} .. {}", along.interval.low, along.interval.high),
+            false => "refused".to_string(),
+        };
+        case.property("per_1000_km_guaranteed", &along.guaranteed.to_string());
+        case.property("per_1000_km_estimate", &interval);
+        case.property("exposure_source", &along.source);
+    }
     case.output = block.result().map(render_block);
     case.errors = match &block.state {
         BlockState::Errored(error) => log_tail(error),

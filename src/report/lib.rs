@@ -54,6 +54,7 @@ mod table;
 mod tap;
 mod terminal;
 mod trace;
+mod usual;
 mod variable;
 mod wording;
 

@@ -10,7 +10,7 @@ use results::{
     RecordedReport, RecordedState, Regarding, Requests, RunsTaken, ScenarioSummary, Skip, Standing,
     SuiteReport, TrialReport, TrialState, UnitReport, Vacuity, Verdict, WorstRun,
 };
-use scenario::{Comparison, MetricKind, Notation, People, Relation, significant};
+use scenario::{Comparison, Keep, MetricKind, Notation, People, Relation, Search, significant};
 
 /// What was found: `holds in 18 of 20 runs`, `85 %`, `1.62 s`; `–` if no run has a value.
 pub fn observed(finding: &Finding) -> String {
@@ -95,6 +95,17 @@ pub fn comparison_text(comparison: &Comparison, unit: Option<Notation>) -> Strin
             format!("{label} {} {bound}", relation.symbol())
         }
     }
+}
+
+/// What a search keeps: `pet < 1.5 s and plausibility >= 5 %`.
+pub fn keep_text(search: &Search) -> String {
+    let each = search.keep.iter().map(|keep| match keep {
+        Keep::Metric { comparison, written_in } => comparison_text(comparison, *written_in),
+        Keep::Plausibility { relation, bound } => {
+            format!("plausibility {} {} %", relation.symbol(), significant(100.0 * bound, 4))
+        }
+    });
+    each.collect::<Vec<_>>().join(" and ")
 }
 
 /// The bound of a comparison as a line in a chart of its metric: both in `unit` if it has one, else in SI units.

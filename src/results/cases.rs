@@ -36,6 +36,9 @@ pub struct SavedCase {
     pub seed: u64,
     /// What the search minimised or maximised, as observed in the run.
     pub value: Option<f64>,
+    /// The share of all encounters, as they are declared to be drawn, that are no more usual; `None` where nothing says that.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plausibility: Option<f64>,
 }
 
 /// A case that was run, with what came of it.

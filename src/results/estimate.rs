@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::Verdict;
 use numbers::inference::Interval;
-use scenario::EstimateMethod;
+use scenario::{EstimateMethod, Exposure};
 
 /// How probable an event is: two numbers, side by side.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -70,6 +70,54 @@ pub struct EstimateResult {
     pub carrying: Vec<EstimatedRun>,
     /// What was claimed, in order.
     pub claims: Vec<EstimatedClaim>,
+    /// The same for a distance, where somebody says how many encounters there are.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub per_1000_km: Option<EventsPerDistance>,
+}
+
+/// How many events are to be expected in 1,000 km: the probability in an encounter times the number of encounters, whatever they have to do
+/// with each other.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct EventsPerDistance {
+    /// Encounters in 1,000 km, as somebody says.
+    pub encounters: Interval,
+    /// How sure that is; `None`: it is taken for granted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub exposure_confidence: Option<f64>,
+    /// How it is known.
+    pub source: String,
+    /// Events at most, whatever the method did: the guaranteed bound times the most encounters.
+    pub guaranteed: f64,
+    /// The estimate times the fewest and the most encounters.
+    pub value: Interval,
+    /// The ends of the interval of the estimate times the fewest and the most encounters.
+    pub interval: Interval,
+    /// Events that an unseen region may have: what may be unseen times the most encounters.
+    pub unseen: f64,
+    /// Of the bound, the interval and what may be unseen: that of the probability less what the exposure may be wrong by.
+    pub confidence: f64,
+}
+
+impl EventsPerDistance {
+    /// Of a probability whose numbers hold with `confidence`.
+    pub fn new(
+        exposure: &Exposure,
+        (guaranteed, unseen): (f64, f64),
+        (value, interval): (f64, Interval),
+        confidence: f64,
+    ) -> Self {
+        let Exposure { low, high, confidence: sure, source, .. } = exposure;
+        Self {
+            encounters: Interval { low: *low, high: *high },
+            exposure_confidence: *sure,
+            source: source.clone(),
+            guaranteed: guaranteed * high,
+            value: Interval { low: value * low, high: value * high },
+            interval: Interval { low: interval.low * low, high: interval.high * high },
+            unseen: unseen * high,
+            confidence: confidence - sure.map_or(0.0, |sure| 1.0 - sure),
+        }
+    }
 }
 
 /// Hits that are near each other in what is drawn.

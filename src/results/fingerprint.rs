@@ -146,6 +146,8 @@ impl Mixture {
             assumption: _,
             guaranteed: _,
             unseen: _,
+            // Out of that and of what the block says.
+            per_1000_km: _,
             nominal_runs,
             nominal_hits,
             hits,
@@ -181,6 +183,8 @@ impl Mixture {
             found,
             // Out of the runs of `found`.
             kept: _,
+            // Out of the evaluations and their points.
+            usual: _,
         } = search;
         self.count(found.len());
         found.iter().for_each(|found| self.found(found));
@@ -199,6 +203,8 @@ impl Mixture {
             // Out of the parameters of the case.
             plausibility: _,
             evaluations,
+            // Out of the points of the evaluations.
+            plausibilities: _,
             stop: _,
             slices: _,
             runs,

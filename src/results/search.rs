@@ -25,6 +25,51 @@ pub struct SearchResult {
     pub found: Vec<Found>,
     /// The cases to keep, in the order of the individuals.
     pub kept: SavedSet,
+    /// What is known of how usual its encounters are; `None` where nothing is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub usual: Option<UsualEncounters>,
+}
+
+/// How bad encounters are against how usual they are.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct UsualEncounters {
+    /// What the plausibility is of: what is drawn, and people.
+    pub of: Vec<String>,
+    /// What the search chooses though nothing says how it is distributed: the plausibility says nothing of it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub undeclared: Vec<String>,
+    /// Evaluations that have a plausibility above 0 and a value.
+    pub possible: usize,
+    /// Evaluations of encounters that are never drawn: of plausibility 0.
+    pub impossible: usize,
+    /// Evaluations of which it cannot be said how usual they are.
+    pub unknown: usize,
+    /// Evaluations of encounters that are as usual as is asked of what is kept, among which the worst was looked for; `None` where nothing is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub wanted: Option<usize>,
+    /// Those of the possible ones that no other beats in both: none that is at least as usual is worse. The worst first.
+    pub front: Vec<FrontPoint>,
+}
+
+/// An encounter such that none that is at least as usual is worse.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FrontPoint {
+    /// Whose it is, by its index in what was found.
+    pub found: usize,
+    /// Its index among the evaluations of that.
+    pub evaluation: usize,
+    /// The objective, as observed.
+    pub value: f64,
+    /// The share of all encounters that are no more usual, above 0: one in so many is at least as unusual.
+    pub plausibility: f64,
+    /// The same of what it is made of, by name.
+    pub parts: Vec<(String, f64)>,
+    /// The objective over fresh seeds in the same encounter.
+    pub fresh: Option<f64>,
+    /// In how many runs of that the metric exists and was decided before the horizon.
+    pub fresh_runs: u32,
+    /// Of its first run: `replay` takes it.
+    pub key: String,
 }
 
 /// The worst that was found for a person (or for everybody).
@@ -44,12 +89,15 @@ pub struct Found {
     pub fresh_runs: u32,
     /// Who passed first at the best point, in the words of the metric `passed_first`; `None` if that was not measured.
     pub passed_first: Option<String>,
-    /// How usual the person at the best point is, of several the least usual: the share of the population `humans` that is no more so.
-    /// `None` where nobody is of a population or has parameters that the search varies, and where `humans` says nothing of them.
+    /// How usual the encounter at the best point is: the share of all encounters, as they are declared to be drawn, that are no more so; of
+    /// several runs as far as they share it. `None` where nothing says how encounters are drawn, or not how usual this one is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plausibility: Option<f64>,
     /// Objective of every evaluation in order; `None` where it is undefined.
     pub evaluations: Vec<(Vec<optimise::Coordinate>, Option<f64>)>,
+    /// How usual the encounter of each evaluation is; empty where nothing says how encounters are drawn.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub plausibilities: Vec<Option<f64>>,
     /// Why nothing more was proposed; `None` if the search did not get there.
     pub stop: Option<OptimisationEnd>,
     /// The surrogate through the best point, one slice per dimension.

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Calibrate, Estimate, Evaluate, MetricReference, Origin, Search, Statement, StatementClaim, Suite, Tune,
+    Calibrate, Estimate, Evaluate, Keep, MetricReference, Origin, Search, Statement, StatementClaim, Suite,
+    Tune,
 };
 
 /// Something in a suite that takes simulations and gives one result.
@@ -98,7 +99,10 @@ impl Block {
     pub fn metrics_mut(&mut self) -> Vec<&mut MetricReference> {
         match self {
             Self::Search(search) => {
-                let kept = search.keep.iter_mut().map(|keep| &mut keep.metric);
+                let kept = search.keep.iter_mut().filter_map(|one| match one {
+                    Keep::Metric { comparison, .. } => Some(&mut comparison.metric),
+                    Keep::Plausibility { .. } => None,
+                });
                 [search.objective.aggregate.metric_mut()].into_iter().chain(kept).collect()
             }
             Self::Tune(tune) => {

@@ -28,9 +28,30 @@ pub struct Estimate {
     pub budget: u32,
     /// How they are made.
     pub method: EstimateMethod,
+    /// How many encounters there are; `None` where nobody says.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub exposure: Option<Exposure>,
     /// What the probability is at most.
     pub claims: Vec<EstimateClaim>,
     /// Where it is declared.
+    pub origin: Origin,
+}
+
+/// How many encounters of a kind there are along a distance, as somebody says.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Exposure {
+    /// At least so many in 1,000 km.
+    pub low: f64,
+    /// At most so many in 1,000 km, at least `low`.
+    pub high: f64,
+    /// How sure it is that they are between both; `None`: they are taken for granted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub confidence: Option<f64>,
+    /// How that is known.
+    pub source: String,
+    /// As it is written, without its source.
+    pub text: String,
+    /// Where it stands.
     pub origin: Origin,
 }
 
@@ -51,9 +72,12 @@ pub enum EstimateMethod {
 pub struct EstimateClaim {
     /// Whether the bound that needs no assumption decides, and not the estimate.
     pub guaranteed: bool,
-    /// The largest probability with which it holds.
+    /// The largest probability with which it holds, whatever the exposure may be.
     pub at_most: f64,
-    /// One-sided, between 1/2 and 1.
+    /// Of a claim about a distance: the events that it says there are at most in 1,000 km.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub per_1000_km: Option<f64>,
+    /// One-sided, between 1/2 and 1; of a claim about a distance so much more as the exposure may be wrong.
     pub confidence: f64,
     /// As it is written.
     pub text: String,

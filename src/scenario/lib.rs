@@ -29,6 +29,7 @@ mod dimension;
 mod direction;
 mod distribution;
 mod draw;
+mod draw_tail;
 mod entry;
 mod estimate;
 mod evaluate;
@@ -99,7 +100,7 @@ pub use entry::{
     ControllerContext, ControllerModel, DynamicsModel, ModelSetup, PedestrianContext, PedestrianModel,
     PedestrianSetup, PerceptionModel, VehicleSetup, World,
 };
-pub use estimate::{Estimate, EstimateClaim, EstimateMethod, FEWEST_ESTIMATE_RUNS};
+pub use estimate::{Estimate, EstimateClaim, EstimateMethod, Exposure, FEWEST_ESTIMATE_RUNS};
 pub use evaluate::{Condition, Evaluate, Measure, ParameterSet};
 pub use expression::{BinaryOperator, EvaluationError, Expression};
 pub use gate::{Gate, GateRate, GateRule, Tolerance};
@@ -110,8 +111,8 @@ pub use metric::{Absence, Meters, Metric, MetricKind, MetricRange, Scope, Worst}
 pub use notation::{Notation, Written, out_of_range, show, show_apart, show_both, show_outside};
 pub use observations::{ObservationError, Observations, ObservedRow};
 pub use optimisation::{
-    Budget, CaseSet, Goal, InitialDesign, Objective, Part, RangeValues, SampleSize, Search, SearchMethod,
-    SearchRange, ShownIn, Target, Tune,
+    Budget, CaseSet, Goal, InitialDesign, Keep, Objective, Part, RangeValues, SampleSize, Search,
+    SearchMethod, SearchRange, ShownIn, Target, Tune,
 };
 pub use origin::Origin;
 pub use path::{Located, Path};

@@ -2,11 +2,11 @@
 
 use std::fmt;
 
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 
 pub use optimise::{Goal, InitialDesign};
 
-use super::{Aggregate, Comparison, Individuals, Notation, Origin, Symbol, significant};
+use super::{Aggregate, Comparison, Individuals, Notation, Origin, Relation, Symbol, significant};
 
 /// Finds the values of variations (or model parameters) at which a metric is worst, per individual or for all.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -29,13 +29,67 @@ pub struct Search {
     pub budget: Budget,
     /// Runs per evaluation with different seeds, at least 1.
     pub runs: u32,
-    /// What the found cases must be to belong to the named set; without it every best case does.
-    pub keep: Option<Comparison>,
-    /// The unit that its bound is written in.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub keep_in: Option<Notation>,
+    /// All that a found case must be to belong to the named set; of nothing every best case does.
+    #[serde(default, deserialize_with = "keep")]
+    pub keep: Vec<Keep>,
     /// Where it is declared.
     pub origin: Origin,
+}
+
+/// What a found case must be to be kept.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+// There are few of them and nobody moves them about.
+#[allow(clippy::large_enum_variant)]
+pub enum Keep {
+    /// What is measured of its run.
+    Metric {
+        /// With a constant bound.
+        comparison: Comparison,
+        /// The unit that the bound is written in.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        written_in: Option<Notation>,
+    },
+    /// How usual the encounter is: the share of all encounters, as they are declared to be drawn, that are no more usual. One of which that
+    /// cannot be said is not kept.
+    Plausibility {
+        /// How it must compare.
+        relation: Relation,
+        /// Between 0 and 1.
+        bound: f64,
+    },
+}
+
+/// Several conditions, or as it was once written down: one or none.
+fn keep<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Keep>, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(untagged)]
+    #[allow(clippy::large_enum_variant)]
+    enum Written {
+        Several(Vec<Keep>),
+        One(Comparison),
+        Nothing(()),
+    }
+    Ok(match Written::deserialize(from)? {
+        Written::Several(several) => several,
+        Written::One(comparison) => vec![Keep::Metric { comparison, written_in: None }],
+        Written::Nothing(()) => Vec::new(),
+    })
+}
+
+impl Search {
+    /// What is asked of metrics of the cases that are kept, with the unit that each bound is written in.
+    pub fn kept_metrics(&self) -> impl Iterator<Item = (&Comparison, Option<Notation>)> {
+        self.keep.iter().filter_map(|one| match one {
+            Keep::Metric { comparison, written_in } => Some((comparison, *written_in)),
+            Keep::Plausibility { .. } => None,
+        })
+    }
+
+    /// Whether only encounters that are usual enough, or unusual enough, are kept.
+    pub fn asks_for_plausibility(&self) -> bool {
+        self.keep.iter().any(|one| matches!(one, Keep::Plausibility { .. }))
+    }
 }
 
 /// Optimises controller parameters over a set of cases.

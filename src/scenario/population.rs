@@ -30,7 +30,7 @@ const SHIPPED: [(&str, u32, &str); 2] = [
 ];
 
 /// Whose people they are.
-const SHIPPED_MODEL: &str = "commotions";
+pub const SHIPPED_MODEL: &str = "commotions";
 
 /// Names of the populations that are part of the program, which need no file.
 pub fn shipped() -> impl Iterator<Item = &'static str> {

@@ -131,3 +131,39 @@ fn shares_and_threads_and_settings_change_no_draw() {
     let said = stdout(&other) + &stderr(&other);
     assert!(!other.status.success() && said.contains("what runs draw differs"), "{said}");
 }
+
+/// The shipped example: the front in all reports, and an encounter on it made again.
+#[test]
+fn a_search_shows_how_bad_encounters_are_against_how_usual() {
+    let (root, folder) = (Path::new(env!("CARGO_MANIFEST_DIR")), tempfile::tempdir().unwrap());
+    let file = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    let (json, html, shipped) = (file("r.json"), file("r.html"), "scenarios/drawn/usual.scn");
+    let output = scenario_runner(root, &[shipped, "--no-progress", "--json", &json, "--html", &html]);
+    assert_eq!(output.status.code(), Some(0), "{}{}", stdout(&output), stderr(&output));
+    let results: Value = serde_json::from_str(&fs::read_to_string(&json).unwrap()).unwrap();
+    let search = &results["suites"][0]["blocks"][0]["result"]["search"];
+    let front = search["usual"]["front"].as_array().unwrap();
+    let number = |value: &Value| value.as_f64().unwrap();
+    assert!(front.len() >= 3, "{front:?}");
+    // The rarer the worse.
+    assert!(front.windows(2).all(|pair| number(&pair[0]["value"]) < number(&pair[1]["value"])));
+    assert!(front.windows(2).all(|pair| number(&pair[0]["plausibility"]) < number(&pair[1]["plausibility"])));
+    // What was kept is no rarer than was asked, and not the worst of all.
+    let kept = search["kept"]["cases"].as_array().unwrap();
+    assert!(!kept.is_empty() && kept.iter().all(|case| number(&case["plausibility"]) >= 0.05), "{kept:?}");
+    assert!(number(&front[0]["value"]) < number(&search["found"][0]["observed"]));
+    let page = fs::read_to_string(&html).unwrap();
+    let (chart, table) =
+        (page.find("Danger against plausibility").unwrap(), page.find("Convergence").unwrap());
+    assert!(chart < table, "people look at it first");
+    for place in 1..=front.len() {
+        let id = format!("front-usual-close_and_usual-{place}\"");
+        assert!(page.contains(&format!("href=\"#{id}")) && page.contains(&format!("id=\"{id}")), "{id}");
+    }
+    let replayed = scenario_runner(root, &["replay", front[1]["key"].as_str().unwrap(), shipped]);
+    let text = stdout(&replayed);
+    assert_eq!(replayed.status.code(), Some(0), "{text}{}", stderr(&replayed));
+    let pet = text.lines().find_map(|line| line.trim().strip_prefix("pet  ")).unwrap().trim().to_string();
+    let value: f64 = pet.trim_end_matches(" s").parse().unwrap();
+    assert!((value - number(&front[1]["value"])).abs() < 1e-3, "{pet}");
+}

@@ -1,6 +1,7 @@
 //! Estimates on the command line: told in all reports, read back, replayed, refused and claimed.
 
 use std::fs;
+use std::path::Path;
 
 use crate::support::program::{scenario_runner, stderr, stdout};
 use serde_json::Value;
@@ -83,4 +84,46 @@ fn an_estimate_that_is_not_passed_ends_with_another_code() {
             assert_eq!(output.status.code(), Some(102), "{}{}", stdout(&output), stderr(&output));
         }
     }
+}
+
+/// The shipped example: every assumption is named, and what is made up says so beside the result.
+#[test]
+fn the_example_tells_events_in_1_000_km_with_the_source_of_the_exposure() {
+    let (root, folder) = (Path::new(env!("CARGO_MANIFEST_DIR")), tempfile::tempdir().unwrap());
+    let file = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    let (json, junit, html) = (file("r.json"), file("r.xml"), file("r.html"));
+    let shipped = "scenarios/drawn/per_1000_km.scn";
+    let all = [shipped, "--no-progress", "--json", &json, "--junit", &junit, "--html", &html];
+    let output = scenario_runner(root, &all);
+    let text = stdout(&output);
+    assert_eq!(output.status.code(), Some(0), "{text}{}", stderr(&output));
+    for words in
+        ["per 1,000 km, events to be expected", "exposure: 0.5 to 4 encounters", "Made up for this example"]
+    {
+        assert!(text.contains(words), "{words}: {text}");
+        assert!(fs::read_to_string(&html).unwrap().contains(words), "{words}");
+    }
+    let results: Value = serde_json::from_str(&fs::read_to_string(&json).unwrap()).unwrap();
+    let estimate = &results["suites"][0]["blocks"][0]["result"]["estimate"];
+    let number = |value: &Value| value.as_f64().unwrap();
+    let along = &estimate["per_1000_km"];
+    assert!((number(&along["guaranteed"]) - 4.0 * number(&estimate["guaranteed"])).abs() < 1e-12, "{along}");
+    assert!((number(&along["interval"]["low"]) - 0.5 * number(&estimate["interval"]["low"])).abs() < 1e-12);
+    let junit = fs::read_to_string(&junit).unwrap();
+    assert!(junit.contains("per_1000_km_guaranteed") && junit.contains("exposure_source"), "{junit}");
+    // Without the line nothing is told of any distance.
+    let text = fs::read_to_string(root.join(shipped)).unwrap();
+    let without = |line: &&str| !line.contains("exposure 0.5") && !line.contains("per 1000 km");
+    let text: Vec<&str> = text.lines().filter(without).collect();
+    let roads = format!("use \"{}/scenarios/roads/town01_zebra.scn\"", root.display());
+    let text = text.join("\n").replace("use \"../roads/town01_zebra.scn\"", &roads);
+    fs::write(file("plain.scn"), text).unwrap();
+    let plain =
+        scenario_runner(folder.path(), &["estimate", "hit_per_1000_km", "plain.scn", "--no-progress"]);
+    assert!(
+        !stdout(&plain).contains("1,000 km") && stdout(&plain).contains("guaranteed"),
+        "{}{}",
+        stdout(&plain),
+        stderr(&plain)
+    );
 }

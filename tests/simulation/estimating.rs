@@ -223,3 +223,59 @@ fn what_cannot_be_estimated_is_said_before_any_run() {
     said(&with("event collision; score collision; budget 1000 runs"), &["BadEstimate", "gets worse"]);
     assert!(checked(&with(&format!("{BLOCK}; claim <= 1e-9"))).is_ok(), "the estimate decides");
 }
+
+/// Of 8e-4 an encounter, between 20 and 50 encounters in 1,000 km.
+#[test]
+fn what_is_told_of_a_distance_is_the_probability_times_the_encounters() {
+    let with = |exposure: &str| estimated(&text(75.0, &format!("{BLOCK}; {exposure}")));
+    let plain = estimated(&text(75.0, BLOCK));
+    assert_eq!(plain.per_1000_km, None, "there is no default");
+    let result = with("exposure 20 .. 50 encounters per 1000 km source \"A count\"");
+    let along = result.per_1000_km.clone().unwrap();
+    assert_eq!((result.guaranteed, result.interval), (plain.guaranteed, plain.interval));
+    assert_eq!((along.source.as_str(), along.confidence), ("A count", 0.95));
+    let close =
+        |found: f64, expected: f64| assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
+    let holds = |along: &results::EventsPerDistance| {
+        close(along.guaranteed, 50.0 * plain.guaranteed);
+        close(along.unseen, 50.0 * plain.unseen);
+        close(along.interval.low, 20.0 * plain.interval.low);
+        close(along.interval.high, 50.0 * plain.interval.high);
+        close(along.value.low, 20.0 * plain.value);
+    };
+    holds(&along);
+    // In whatever unit and along whatever distance it is given.
+    for same in [
+        "exposure 2 .. 5 encounters per 100 km source \"A\"",
+        "exposure 0.02 .. 0.05 encounters per 1000 m source \"A\"",
+    ] {
+        holds(&with(same).per_1000_km.unwrap());
+    }
+    // A number is both ends; what the exposure may be wrong by is taken off.
+    let one =
+        with("exposure 30 encounters per 1000 km with 99 % confidence source \"A\"").per_1000_km.unwrap();
+    close(one.value.low, one.value.high);
+    close(one.confidence, 0.94);
+}
+
+#[test]
+fn claims_along_a_distance_hold_with_the_most_encounters_and_fail_with_the_fewest() {
+    let exposure = "exposure 20 .. 50 encounters per 1000 km source \"A count\"";
+    let judged = |claim: &str| {
+        let result = estimated(&text(75.0, &format!("{BLOCK}; {exposure}; {claim}")));
+        assert!(result.refusals.is_empty(), "{:?}", result.refusals);
+        (result.claims[0].verdict, result.claims[0].reason.clone())
+    };
+    // By the estimate there are 0.016 to 0.043 events in 1,000 km.
+    for (claim, expected) in [
+        ("claim <= 0.06 per 1000 km", Verdict::Passed),
+        ("claim <= 0.006 per 100 km", Verdict::Passed),
+        ("claim <= 0.025 per 1000 km", Verdict::Inconclusive),
+        ("claim <= 0.01 per 1000 km", Verdict::Failed),
+        ("claim guaranteed <= 0.51 per 1000 km", Verdict::Passed),
+    ] {
+        let (verdict, reason) = judged(claim);
+        assert_eq!(verdict, expected, "{claim}: {reason}");
+        assert!(reason.contains("events in 1,000 km"), "{reason}");
+    }
+}

@@ -1,8 +1,8 @@
 //! `estimate NAME { … }`
 
 use super::block::{Layer, missing, reject_repeats};
+use super::comparison::constant_comparison;
 use super::criterion;
-use super::experiment::constant_comparison;
 use super::literal;
 use super::metric::metric_reference;
 use super::places::Places;
@@ -14,8 +14,8 @@ use crate::syntax;
 use crate::syntax::ast;
 use crate::value::{self, NameScope};
 use scenario::{
-    Dimension, Estimate, EstimateClaim, EstimateMethod, FEWEST_ESTIMATE_RUNS, MetricKind, MetricReference,
-    PopulationShare, Relation, Worst,
+    Dimension, Estimate, EstimateClaim, EstimateMethod, Exposure, FEWEST_ESTIMATE_RUNS, MetricKind,
+    MetricReference, PopulationShare, Relation, Worst,
 };
 
 /// As many runs as a suite may have.
@@ -47,7 +47,12 @@ pub fn estimate(
         Some(method) if method.is_splitting() => EstimateMethod::Splitting,
         _ => EstimateMethod::Importance,
     };
-    let claims: Vec<_> = block.claims().map(|claim| self::claim(claim, scope, places, report)).collect();
+    let exposure = match block.exposure() {
+        Some(said) => Some(exposure(said, scope, places, report)?),
+        None => None,
+    };
+    let claims: Vec<_> =
+        block.claims().map(|claim| self::claim(claim, exposure.as_ref(), scope, places, report)).collect();
     let Some(of) = block.of().map(ast::EstimateOf::name) else {
         missing::<ast::EstimateOf>(&layers, name.span(), &what, report);
         return None;
@@ -97,6 +102,7 @@ pub fn estimate(
         score,
         budget,
         method,
+        exposure,
         claims,
         origin: places.origin(name.span()),
     })
@@ -195,6 +201,7 @@ fn score(
 
 fn claim(
     node: ast::EstimateClaim,
+    exposure: Option<&Exposure>,
     scope: &NameScope,
     places: &Places,
     report: &mut Vec<Diagnostic>,
@@ -208,25 +215,180 @@ fn claim(
         return None;
     }
     let what = "the probability";
-    let value = value::quantity_of(node.bound(), Dimension::NUMBER, what, scope, report)?;
-    let at_most = value
+    let mut numbers = node.numbers();
+    let (bound, along) = (numbers.next()?, numbers.next());
+    let value = value::quantity_of(bound, Dimension::NUMBER, what, scope, report)?;
+    let said = value
         .as_constant_number()
         .or_else(|| value::not_constant(value.span, &value.expression, what, report))?;
+    let mut confidence = match node.confidence() {
+        Some(said) => criterion::share(said.value(), "the confidence", true, scope, report)?,
+        None => CONFIDENCE,
+    };
+    let (at_most, per_1000_km) = match along {
+        None => (said, None),
+        Some(along) => {
+            let events = said * THOUSAND_KILOMETRES / distance(along, scope, report)?;
+            let Some(exposure) = exposure else {
+                report.push(
+                    Diagnostic::new(
+                        Code::BadExposure,
+                        node.span(),
+                        "nothing says how many encounters there are",
+                    )
+                    .label("events along a distance")
+                    .hint("say it, with its source: `exposure 3 .. 12 encounters per 1000 km source \"…\"`"),
+                );
+                return None;
+            };
+            // What the exposure may be wrong by is taken from what the claim may.
+            confidence += exposure.confidence.map_or(0.0, |sure| 1.0 - sure);
+            if confidence >= 1.0 {
+                report.push(
+                    Diagnostic::new(
+                        Code::BadExposure,
+                        node.span(),
+                        "the exposure is less sure than the claim: no number of runs can show it",
+                    )
+                    .label("cannot be shown, whatever comes of the runs")
+                    .hint("claim it with less confidence, or give an exposure that is surer, which is a wider range"),
+                );
+                return None;
+            }
+            if events >= exposure.high {
+                report.push(
+                    Diagnostic::new(
+                        Code::BadExposure,
+                        bound.span(),
+                        format!(
+                            "there are at most {} encounters in 1,000 km: it holds if every one of them is an event",
+                            scenario::significant(exposure.high, 6)
+                        ),
+                    )
+                    .label("holds whatever comes of the runs")
+                    .hint("claim fewer events than there are encounters"),
+                );
+                return None;
+            }
+            (events / exposure.high, Some(events))
+        }
+    };
     if !(at_most > 0.0 && at_most < 1.0) {
         report.push(
-            bad(node.bound().span(), format!("no runs show a probability of at most {at_most}"))
+            bad(bound.span(), format!("no runs show a probability of at most {at_most}"))
                 .label("not between 0 and 1")
                 .hint("write it as a number above 0, such as `1e-5`"),
         );
         return None;
     }
-    let confidence = match node.confidence() {
-        Some(said) => criterion::share(said.value(), "the confidence", true, scope, report)?,
-        None => CONFIDENCE,
-    };
     let text = node.text().split_whitespace().collect::<Vec<_>>().join(" ");
     let guaranteed = node.is_guaranteed();
-    Some(EstimateClaim { guaranteed, at_most, confidence, text, origin: places.origin(node.span()) })
+    Some(EstimateClaim {
+        guaranteed,
+        at_most,
+        per_1000_km,
+        confidence,
+        text,
+        origin: places.origin(node.span()),
+    })
+}
+
+/// So far are distances that numbers of encounters are told for, m.
+const THOUSAND_KILOMETRES: f64 = 1e6;
+
+/// What encounters or events are counted along, m.
+fn distance(node: ast::Expression, scope: &NameScope, report: &mut Vec<Diagnostic>) -> Option<f64> {
+    let every = (f64::NEG_INFINITY, f64::INFINITY);
+    let along = value::constant_in(node, Dimension::LENGTH, every, "the distance", scope, report)?;
+    if along > 0.0 && along.is_finite() {
+        return Some(along);
+    }
+    report.push(
+        Diagnostic::new(Code::BadExposure, node.span(), "encounters are counted along a distance above 0")
+            .label("no distance")
+            .hint("write `per 1000 km`"),
+    );
+    None
+}
+
+/// A number that somebody has to give: none of it has a default.
+fn exposure(
+    node: ast::Exposure,
+    scope: &NameScope,
+    places: &Places,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Exposure> {
+    let numbers: Vec<ast::Expression> = node.numbers().collect();
+    let (along, counts) = numbers.split_last()?;
+    let Some(source) = node.source() else {
+        report.push(
+            Diagnostic::new(
+                Code::BadExposure,
+                node.span(),
+                "nothing says how the number of encounters is known".to_string(),
+            )
+            .label("without a source")
+            .hint("add `source \"…\"`: what was counted, where, when and by whom; that it is a guess can be said too"),
+        );
+        return None;
+    };
+    if counts.is_empty() {
+        report.push(
+            Diagnostic::new(Code::BadExposure, node.span(), "how many encounters there are is missing")
+                .label("no number")
+                .hint(
+                    "give the number of such encounters where the system is to drive, such as `exposure 3 .. 12 encounters per 1000 km`: \
+                     nobody else knows it, and there is no default",
+                ),
+        );
+        return None;
+    }
+    let every = (f64::NEG_INFINITY, f64::INFINITY);
+    let along = distance(*along, scope, report)?;
+    let count = |one: &ast::Expression| {
+        value::constant_in(*one, Dimension::NUMBER, every, "the number of encounters", scope, report)
+    };
+    let counts: Vec<f64> = counts.iter().map(count).collect::<Option<_>>()?;
+    let (low, high) = (*counts.first()?, *counts.last()?);
+    let mut wrong = |span: Span, message: String, label: &str, hint: &str| {
+        report.push(Diagnostic::new(Code::BadExposure, span, message).label(label).hint(hint));
+        None
+    };
+    if !(low >= 0.0 && high > 0.0 && high.is_finite()) {
+        let message = format!("{low} .. {high} encounters: there must be some, or nothing is said");
+        return wrong(
+            numbers[0].span(),
+            message,
+            "not above 0",
+            "write at least how many there are at most: `0 .. 3`",
+        );
+    }
+    if low > high {
+        let message = format!("at least {low} encounters and at most {high}");
+        return wrong(numbers[0].span(), message, "more than the second", "write the smaller one first");
+    }
+    if source.value().trim().is_empty() {
+        return wrong(
+            source.span(),
+            "nothing says how the number of encounters is known".to_string(),
+            "empty",
+            "say what was counted, where, when and by whom; a guess is a source too if it says that it is one",
+        );
+    }
+    let confidence = match node.confidence() {
+        Some(said) => Some(criterion::share(said.value(), "the confidence", true, scope, report)?),
+        None => None,
+    };
+    let text = node.text().split_whitespace().collect::<Vec<_>>().join(" ");
+    let per = THOUSAND_KILOMETRES / along;
+    Some(Exposure {
+        low: low * per,
+        high: high * per,
+        confidence,
+        source: source.value(),
+        text: text.split(" source ").next().unwrap_or_default().to_string(),
+        origin: places.origin(node.span()),
+    })
 }
 
 /// Whether the budget can show a claim at all.

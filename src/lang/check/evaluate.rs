@@ -4,7 +4,8 @@ use std::collections::HashMap;
 use std::path::Path;
 
 use super::block::{Layer, missing, reject_repeats};
-use super::experiment::{SummedUp, Takes, bound_in, fresh_seeds, reject_unmeant, summed_up, target};
+use super::comparison::bound_in;
+use super::experiment::{SummedUp, Takes, fresh_seeds, reject_unmeant, summed_up, target};
 use super::literal;
 use super::places::Places;
 use super::subject::{StatementSubject, Subjects, case_set};

@@ -5,7 +5,9 @@ use std::sync::Arc;
 use std::collections::HashMap;
 
 use super::block::{Layer, Said, missing, reject_repeats};
+use super::comparison::{bound_in, constant_comparison};
 use super::criterion;
+use super::keep;
 use super::literal;
 use super::metric::{self, Cast};
 use super::pedestrian::individuals;
@@ -73,13 +75,11 @@ pub fn search(
         }
         None => Some(1),
     };
-    let keep_node = block.keep();
-    let keep = keep_node.map(|node| constraint(node, &cast, scope, report));
-    let keep_in = keep_node.and_then(|node| bound_in(node.condition(), scope));
-    let mut objective = objective?;
-    let kept = keep.iter().flatten().zip([keep_in]);
-    objective.notation = unit_beside(&objective, kept);
-    Some(Search {
+    let keep = block.keep().map(|node| {
+        let people = block.people().is_some();
+        keep::keep(node, (&subject, &cast, scope), over.as_deref(), people, report)
+    });
+    let mut search = Search {
         name: name.text().to_string(),
         doc: literal::doc(block.doc()),
         scenario: subject.scenario.name.clone(),
@@ -88,17 +88,18 @@ pub fn search(
             None => None,
         },
         together: block.together().is_some(),
-        objective,
+        objective: objective?,
         over: over?,
         budget: budget?,
         runs: runs?,
         keep: match keep {
-            Some(keep) => Some(keep?),
-            None => None,
+            Some(keep) => keep?,
+            None => Vec::new(),
         },
-        keep_in,
         origin: places.origin(name.span()),
-    })
+    };
+    search.objective.notation = unit_beside(&search.objective, search.kept_metrics());
+    Some(search)
 }
 
 /// The tune at `node`.
@@ -213,21 +214,7 @@ fn able_models(subject: &StatementSubject) -> Vec<Arc<PedestrianModel>> {
     models.max_by_key(able).unwrap_or_default()
 }
 
-/// A comparison whose bound is the same for all runs.
-pub fn constant_comparison(
-    (condition, undefined, what): (ast::Condition, Option<ast::Undefined>, &str),
-    cast: &Cast,
-    scope: &NameScope,
-    report: &mut Vec<Diagnostic>,
-) -> Option<Comparison> {
-    let comparison = criterion::comparison(condition, criterion::undefined(undefined), cast, scope, report)?;
-    match &comparison.bound {
-        Expression::Constant(_) => Some(comparison),
-        varying => value::not_constant(condition.span(), varying, what, report),
-    }
-}
-
-/// Such a comparison of a search or tune.
+/// A comparison of a tune, whose bound is the same for all runs.
 fn constraint(
     node: ast::Constraint,
     cast: &Cast,
@@ -236,13 +223,6 @@ fn constraint(
 ) -> Option<Comparison> {
     let said = (node.condition(), node.undefined(), "the bound of this comparison");
     constant_comparison(said, cast, scope, report)
-}
-
-/// The unit that the bound of a comparison is written in.
-pub fn bound_in(node: ast::Condition, scope: &NameScope) -> Option<Notation> {
-    let bound = node.bound()?;
-    // What is wrong with it was reported when it was read as a comparison.
-    value::evaluate(bound, scope, &mut Vec::new())?.notation
 }
 
 /// The unit in which one of the comparisons compares the objective's metric, unless the objective counts runs.

@@ -76,6 +76,39 @@ pub fn beta_quantile(p: f64, a: f64, b: f64) -> f64 {
     }
 }
 
+/// The share of values whose density is no higher than at `x`: 0 outside of 0..1. Where the density has its only peak or dip inside, the
+/// place on its other side that is as dense is found by halving, to the last digit. Not for a = b = 1, where all is equally dense.
+pub fn beta_tail(x: f64, a: f64, b: f64) -> f64 {
+    if !(0.0..=1.0).contains(&x) {
+        return 0.0;
+    }
+    let below = |x: f64| regularised_beta(x, a, b);
+    let above = |x: f64| regularised_beta(1.0 - x, b, a);
+    match (a - 1.0, b - 1.0) {
+        // Falling or rising everywhere.
+        (rise, fall) if rise <= 0.0 && fall >= 0.0 => above(x),
+        (rise, fall) if rise >= 0.0 && fall <= 0.0 => below(x),
+        (rise, fall) => {
+            let log_density = |x: f64| rise * libm::log(x) + fall * libm::log1p(-x);
+            let turn = rise / (rise + fall);
+            let (height, is_peak) = (log_density(x), rise > 0.0);
+            // Between the turn and the end on the other side; there the density goes down from a peak, and up from a dip.
+            let (mut near, mut far) = if x < turn { (turn, 1.0) } else { (turn, 0.0) };
+            loop {
+                let middle = 0.5 * (near + far);
+                if middle == near || middle == far {
+                    break;
+                }
+                let is_nearer = (log_density(middle) > height) == is_peak;
+                *(if is_nearer { &mut near } else { &mut far }) = middle;
+            }
+            let (low, high) = if x < turn { (x, far) } else { (far, x) };
+            let share = if is_peak { below(low) + above(high) } else { 1.0 - below(low) - above(high) };
+            share.clamp(0.0, 1.0)
+        }
+    }
+}
+
 /// P(X >= k) for X successes in n tries of probability p.
 pub fn binomial_at_least(k: u64, n: u64, p: f64) -> f64 {
     match k {

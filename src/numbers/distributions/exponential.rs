@@ -5,6 +5,11 @@ pub fn exponential_quantile(share: f64, mean: f64) -> f64 {
     -mean * libm::log1p(-share)
 }
 
+/// The share of values that are no likelier than `value`: those that are as large.
+pub fn exponential_tail(value: f64, mean: f64) -> f64 {
+    if value < 0.0 { 0.0 } else { libm::exp(-value / mean) }
+}
+
 #[cfg(test)]
 mod tests {
     use statrs::distribution::{ContinuousCDF, Exp};

@@ -16,6 +16,17 @@ impl LogNormal {
     pub fn quantile(self, share: f64) -> f64 {
         self.median * libm::exp(self.sigma * normal::quantile(share))
     }
+
+    /// The share of values whose density is no higher than at `value`; `sigma` is above 0. The densest value is median · exp(−sigma²), and
+    /// as dense as another is the one whose logarithm lies as far on its other side.
+    pub fn tail(self, value: f64) -> f64 {
+        let Self { median, sigma } = self;
+        if value <= 0.0 {
+            return 0.0;
+        }
+        let apart = (libm::log(value / median) / sigma + sigma).abs();
+        (normal::cumulative(-apart - sigma) + normal::cumulative(sigma - apart)).min(1.0)
+    }
 }
 
 #[cfg(test)]

@@ -29,6 +29,35 @@ impl Normal {
         // Far out in a tail the cumulative distribution is flat, and rounding may leave the interval.
         self.quantile(inside.clamp(1e-300, 1.0 - 1e-16)).clamp(low, high)
     }
+
+    /// The share of values whose density is no higher than at `value`: those that lie as far from the mean.
+    pub fn tail(self, value: f64) -> f64 {
+        libm::erfc((value - self.mean).abs() / (self.standard_deviation * SQRT_2))
+    }
+
+    /// The same of those in `low..=high`: 0 outside of them.
+    pub fn tail_within(self, value: f64, low: f64, high: f64) -> f64 {
+        if !(low..=high).contains(&value) {
+            return 0.0;
+        }
+        let apart = (value - self.mean).abs();
+        let outside = self.between(low, self.mean - apart) + self.between(self.mean + apart, high);
+        let inside = self.between(low, high);
+        // Ends so far out in a tail that nothing is left between them to be seen.
+        if inside > 0.0 { (outside / inside).min(1.0) } else { 0.0 }
+    }
+
+    /// The share of values between two ends, of whichever tail they are in without cancelling; none if they are in the wrong order.
+    fn between(self, low: f64, high: f64) -> f64 {
+        if low >= high {
+            return 0.0;
+        }
+        let mirrored = Self { mean: -self.mean, ..self };
+        match low > self.mean {
+            true => mirrored.cumulative(-low) - mirrored.cumulative(-high),
+            false => self.cumulative(high) - self.cumulative(low),
+        }
+    }
 }
 
 /// The density at `z`.
@@ -200,6 +229,7 @@ mod tests {
             assert!(((normal.cumulative(value) - low) / (high - low) - share).abs() < 1e-13, "{share}");
         }
         // So far out that all shares round to the same.
+        assert_eq!(normal.tail_within(100.5, 100.0, 101.0), 0.0);
         let far = normal.quantile_within(0.5, 100.0, 101.0);
         assert!((100.0..=101.0).contains(&far));
     }

@@ -27,6 +27,23 @@ impl Triangular {
         };
         value.clamp(low, high)
     }
+
+    /// The share of values whose density is no higher than at `value`: 0 outside of the ends, and all where these are one.
+    pub fn tail(self, value: f64) -> f64 {
+        let Self { low, mode, high } = self;
+        if !(low..=high).contains(&value) {
+            return 0.0;
+        }
+        // Of the height at the mode: below it lie two triangles that are smaller by as much in both directions.
+        let height = if value < mode {
+            (value - low) / (mode - low)
+        } else if value > mode {
+            (high - value) / (high - mode)
+        } else {
+            1.0
+        };
+        height * height
+    }
 }
 
 #[cfg(test)]

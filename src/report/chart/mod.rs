@@ -11,9 +11,10 @@
 //! | metric against the value found for each individual | [`IndividualsChart`] |
 //!
 //! An optimiser's course is a [`Convergence`] (of many: [`Convergences`]), its surrogate a [`Slice`], two objectives
-//! against each other a [`Front`]. [`Rows`] are strips for many conditions or long names.
+//! against each other a [`Front`], how bad encounters are against how usual [`Danger`]. [`Rows`] are strips for many conditions or long names.
 
 mod convergence;
+mod danger;
 mod front;
 mod individuals;
 mod look;
@@ -29,6 +30,7 @@ mod strips;
 use crate::svg;
 
 pub use convergence::{Convergence, Convergences};
+pub use danger::{Danger, OnFront};
 pub use front::Front;
 pub use individuals::{COURSES_FROM, CourseLine, FoundDot, IndividualsChart};
 pub use look::{First, LOOKS, LegendEntry, Look};

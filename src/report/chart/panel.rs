@@ -80,6 +80,27 @@ const LINE: f64 = 12.0;
 impl Panel {
     /// An empty plot. `description` is for those who cannot see it.
     pub fn new(title: &str, description: &str, labels: (&str, &str), x: Axis, vertical: (f64, f64)) -> Self {
+        Self::plot(title, (description, "img"), labels, x, vertical)
+    }
+
+    /// The same with [links](Self::link) in it, which who cannot see it gets to as well.
+    pub fn with_links(
+        title: &str,
+        description: &str,
+        labels: (&str, &str),
+        x: Axis,
+        vertical: (f64, f64),
+    ) -> Self {
+        Self::plot(title, (description, "group"), labels, x, vertical)
+    }
+
+    fn plot(
+        title: &str,
+        described: (&str, &str),
+        labels: (&str, &str),
+        x: Axis,
+        vertical: (f64, f64),
+    ) -> Self {
         let across = (LEFT, WIDTH - RIGHT);
         let (horizontal, x_scale) = match x {
             Axis::Numbers { range } | Axis::Values { range, .. } => (range, Scale::new(range, across)),
@@ -98,7 +119,7 @@ impl Panel {
             height: HEIGHT,
             slot: (WIDTH - LEFT - RIGHT) / horizontal.1.max(1.0),
         };
-        panel.begin(title, description, labels);
+        panel.begin(title, described, labels);
         panel.draw_vertical_axis(vertical);
         match x {
             Axis::Names(names) => panel.draw_names(names),
@@ -134,7 +155,7 @@ impl Panel {
             height,
             slot: row,
         };
-        panel.begin(title, description, (label, ""));
+        panel.begin(title, (description, "img"), (label, ""));
         let places = ticks(x.0, x.1, 6);
         for tick in &places {
             let x = At(panel.x.at(*tick));
@@ -155,12 +176,12 @@ impl Panel {
         panel
     }
 
-    fn begin(&mut self, title: &str, description: &str, labels: (&str, &str)) {
+    fn begin(&mut self, title: &str, (description, role): (&str, &str), labels: (&str, &str)) {
         let viewport = format!("0 0 {WIDTH} {}", self.height);
         let name = format!("{title}: {description}");
         self.svg.open(
             "svg",
-            &[("class", &"chart"), ("viewBox", &viewport), ("role", &"img"), ("aria-label", &name)],
+            &[("class", &"chart"), ("viewBox", &viewport), ("role", &role), ("aria-label", &name)],
         );
         self.svg.label(
             &shortened(title, ((WIDTH - 8.0) / LETTER) as usize),
@@ -268,6 +289,14 @@ impl Panel {
         let (x, y) = self.place(x, y);
         let path = look.marker(x + aside, y);
         self.svg.titled("path", title, &[("class", &look.class("dot")), ("d", &path)]);
+    }
+
+    /// A mark that leads to another place of the page, and says `title` when pointed at.
+    pub fn link(&mut self, (x, y): (f64, f64), mark: PointMark, title: &str, target: &str) {
+        let path = mark.path([self.place(x, y)]);
+        self.svg.open("a", &[("href", &target), ("aria-label", &title)]);
+        self.svg.titled("path", title, &[("class", &mark.class()), ("d", &path)]);
+        self.svg.close();
     }
 
     /// A vertical bar from `low` to `high` with caps.

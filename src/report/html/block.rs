@@ -75,7 +75,7 @@ impl BlockSection {
         match (&*block.block, result) {
             (Block::Search(search), BlockResult::Search(result)) => {
                 self.summary = search::SearchSection::summary(search, result);
-                self.search = Some(search::SearchSection::new(search, result));
+                self.search = Some(search::SearchSection::new(report, search, result));
             }
             (Block::Tune(tune), BlockResult::Tune(result)) => {
                 self.summary = tune::TuneSection::summary(tune, result);

@@ -59,6 +59,13 @@ impl EstimateSection {
                 number(result.interval.high)
             ),
         };
-        format!("{}: guaranteed at most {} at {level}; {estimate}", result.event, number(result.guaranteed))
+        let along = result.per_1000_km.as_ref().map_or_else(String::new, |along| {
+            format!("; per 1,000 km guaranteed at most {}", number(along.guaranteed))
+        });
+        format!(
+            "{}: guaranteed at most {} at {level}; {estimate}{along}",
+            result.event,
+            number(result.guaranteed)
+        )
     }
 }

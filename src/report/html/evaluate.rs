@@ -338,7 +338,7 @@ impl Charts<'_> {
         if let CaseSet::Search(name) | CaseSet::Bests(name) = &self.evaluate.on
             && let Some(Block::Search(search)) = block(name)
         {
-            comparisons.extend(search.keep.iter().map(|keep| (keep, search.keep_in)));
+            comparisons.extend(search.kept_metrics());
         }
         comparisons
     }

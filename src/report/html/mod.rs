@@ -12,6 +12,7 @@ mod search;
 mod space;
 mod statement;
 mod tune;
+mod usual;
 mod view;
 
 use std::time::SystemTime;

@@ -4,15 +4,16 @@ use serde::Serialize;
 
 use super::figure::HtmlFigure;
 use super::space::{MeasuredQuantity, SpaceDimension, point_text, sign};
+use super::usual::UsualSection;
 use crate::chart::{
     self, Along, Convergence, Convergences, CourseLine, Dot, First, IndividualsChart, LegendEntry, Look,
     PointMark, Rule, Slice, Strip, Strips, Tried, first_legend, with_room,
 };
-use crate::found::tail_text;
-use crate::wording::{comparison_rule, comparison_text};
+use crate::usual::tail_text;
+use crate::wording::{comparison_rule, keep_text};
 use numbers::summary::mean;
 use optimise::{Coordinate, OptimisationEnd};
-use results::{Found, SearchResult};
+use results::{Found, SearchResult, SuiteReport};
 use scenario::{Aggregate, Search};
 
 /// Charts of surrogates that are seen at once, and all that are drawn.
@@ -25,6 +26,8 @@ const LONG_TABLE: usize = 30;
 
 #[derive(Debug, Serialize)]
 pub struct SearchSection {
+    /// How bad encounters are against how usual; what people look at first.
+    usual: Option<UsualSection>,
     sentences: Vec<String>,
     dimensions: Vec<String>,
     objective: String,
@@ -62,7 +65,7 @@ struct Hunt<'a> {
 }
 
 impl SearchSection {
-    pub fn new(search: &Search, result: &SearchResult) -> Self {
+    pub fn new(report: &SuiteReport, search: &Search, result: &SearchResult) -> Self {
         let sign = sign(search.objective.direction);
         let mut found: Vec<&Found> = result.found.iter().collect();
         let rank = |one: &Found| one.observed.map_or(f64::INFINITY, |value| sign * value);
@@ -74,10 +77,11 @@ impl SearchSection {
             found,
         };
         Self {
+            usual: UsualSection::new(report, search, result),
             sentences: hunt.sentences(),
             dimensions: hunt.dimensions.iter().map(|one| one.quantity().label()).collect(),
             objective: hunt.objective.heading(),
-            keeps: search.keep.is_some(),
+            keeps: !search.keep.is_empty(),
             plausible: result.found.iter().any(|found| found.plausibility.is_some()),
             rows: hunt.found.iter().map(|found| hunt.row(found)).collect(),
             long: hunt.found.len() > LONG_TABLE,
@@ -93,11 +97,9 @@ impl SearchSection {
         let sign = sign(search.objective.direction);
         let worst = with_value.min_by(|left, right| (sign * left).total_cmp(&(sign * right)));
         let worst = MeasuredQuantity::objective(&search.objective).text(worst);
-        match &search.keep {
-            Some(keep) => {
-                format!("{kept} of {hunted} kept ({}); worst {worst}", comparison_text(keep, search.keep_in))
-            }
-            None => format!("{hunted} found; worst {worst}"),
+        match search.keep.is_empty() {
+            false => format!("{kept} of {hunted} kept ({}); worst {worst}", keep_text(search)),
+            true => format!("{hunted} found; worst {worst}"),
         }
     }
 }
@@ -121,13 +123,9 @@ impl Hunt<'_> {
             runs(search.runs),
             budget.initial,
         )];
-        if let Some(keep) = &search.keep {
+        if !search.keep.is_empty() {
             let kept = found.iter().filter(|one| one.kept.contains(&true)).count();
-            sentences.push(format!(
-                "{kept} of {} are kept: {}.",
-                found.len(),
-                comparison_text(keep, search.keep_in)
-            ));
+            sentences.push(format!("{kept} of {} are kept: {}.", found.len(), keep_text(search)));
         }
         if let Some((worst, point)) = found.first().and_then(|worst| Some((worst, worst.best.as_ref()?))) {
             let point: Vec<Coordinate> = point.iter().map(|(_, value)| value.clone()).collect();
@@ -213,15 +211,17 @@ impl Hunt<'_> {
     }
 
     fn rules(&self) -> Vec<Rule> {
-        let Search { objective, keep, keep_in, .. } = self.search;
+        let objective = &self.search.objective;
         // A share of runs lies on another axis than what is compared in each.
         if matches!(objective.aggregate, Aggregate::Rate(_) | Aggregate::Count(_)) {
             return Vec::new();
         }
-        let about = keep.iter().filter(|keep| keep.metric == *objective.aggregate.metric());
-        let rule = |keep| {
-            let Rule { value, label } = comparison_rule(keep, *keep_in);
-            Rule { value: self.objective.charted(value), label }
+        let about =
+            self.search.kept_metrics().filter(|(keep, _)| keep.metric == *objective.aggregate.metric());
+        let rule = |(keep, written_in)| {
+            let Rule { value, label } = comparison_rule(keep, written_in);
+            // What is written in a unit is in it already.
+            Rule { value: if written_in.is_some() { value } else { self.objective.charted(value) }, label }
         };
         about.map(rule).collect()
     }

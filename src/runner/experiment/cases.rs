@@ -68,6 +68,7 @@ impl Context<'_> {
             individuals: case.individuals,
             seed: case.seed,
             value: None,
+            plausibility: None,
         });
         Ok(saved.collect())
     }

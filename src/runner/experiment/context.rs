@@ -38,7 +38,7 @@ impl<'a> Context<'a> {
         suite.scenarios.iter().for_each(|scenario| requests.include(&scenario.criteria));
         for search in &suite.searches {
             requests.add(search.objective.aggregate.metric());
-            search.keep.iter().for_each(|keep| requests.add(&keep.metric));
+            search.kept_metrics().for_each(|(keep, _)| requests.add(&keep.metric));
         }
         for tune in &suite.tunes {
             tune.objectives.iter().for_each(|objective| requests.add(objective.aggregate.metric()));

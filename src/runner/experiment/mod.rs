@@ -23,6 +23,7 @@ mod rehearsal;
 mod rounds;
 mod runs;
 mod search;
+mod searched;
 mod statement;
 #[cfg(test)]
 mod tests;
@@ -38,3 +39,4 @@ pub use overrides::apply as apply_settings;
 pub use parameters::ParameterFile;
 pub(crate) use rehearsal::rehearse_searches;
 pub use search::run_search;
+pub use searched::searched_case;

@@ -1,6 +1,6 @@
 //! What keeps a search from running, found before its first evaluation: ranges with values that a scenario cannot have.
 
-use super::{overrides, search};
+use super::{overrides, searched};
 use crate::plan::{self, PlanError};
 use crate::run::{Obstacle, Stage};
 use optimise::Space;
@@ -15,7 +15,7 @@ pub fn rehearse_searches(suite: &Suite) -> Vec<Obstacle> {
 /// `None` where something else is wrong, which is found elsewhere.
 fn rehearse(suite: &Suite, search: &Search) -> Option<Vec<Obstacle>> {
     let declared = suite.scenarios.iter().find(|scenario| scenario.name == search.scenario)?;
-    let scenario = search::with_individuals(declared, search);
+    let scenario = searched::with_individuals(declared, search);
     let people = plan::select_people(suite.seed, &scenario).ok()?.into_iter().next()?;
     let space = overrides::space(&search.over).ok()?;
     let fails = |point: &[f64]| attempt(suite, &scenario, search, &people, &space, point).err();

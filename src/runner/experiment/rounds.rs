@@ -80,8 +80,8 @@ pub trait EvaluateRound: Sync {
         usize::MAX
     }
 
-    /// What the outcomes come to, which are not all where they were enough before.
-    fn evaluation(&self, outcomes: &[Outcome], abandoned: bool) -> Evaluation;
+    /// What the outcomes of these cases come to, which are not all where they were enough before.
+    fn evaluation(&self, cases: &[Case], outcomes: &[Outcome], abandoned: bool) -> Evaluation;
 
     /// Told after every evaluation.
     fn evaluated(&self, evaluation: &Evaluation);
@@ -218,7 +218,7 @@ impl Sequence for Proposed<'_> {
         }
         if self.evaluate.is_enough(&self.outcomes) || self.outcomes.len() == self.cases.len() {
             let abandoned = self.outcomes.len() < self.cases.len();
-            self.evaluated = Some(Ok(self.evaluate.evaluation(&self.outcomes, abandoned)));
+            self.evaluated = Some(Ok(self.evaluate.evaluation(&self.cases, &self.outcomes, abandoned)));
             return ControlFlow::Break(());
         }
         ControlFlow::Continue(())

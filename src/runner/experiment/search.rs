@@ -8,20 +8,22 @@ use super::context::{BlockProgress, Context};
 use super::error::ExperimentError;
 use super::journal::Record;
 use super::overrides;
-use super::plausible::PlausiblePeople;
+use super::plausible::{EncounterPlausibility, PartsCounted, PlausibleEncounters, front};
 use super::rounds::{EvaluateRound, Optimisation, optimise};
-use crate::plan;
+use super::searched::{FRESH_RUNS, Searched, SearchedPeople, named_at};
 use numbers::random::derive_seed;
 use numbers::summary::mean;
-use optimise::{self, Definition, Evaluation, Method, ObjectiveValue, Optimiser, Proposal};
-use results::{CaseRun, CoursePoint, Found, MetricCourse, Outcome, SavedCase, SavedSet, SearchResult};
-use scenario::{
-    self, Assignment, Budget, Case, DeclaredPedestrian, Goal, Individual, Objective, Scenario, Search,
-    SearchRange, ShownIn,
+use optimise::{self, Definition, Evaluation, Margin, Method, ObjectiveValue, Optimiser, Proposal};
+use results::{
+    CaseRun, CoursePoint, Found, FrontPoint, MetricCourse, Outcome, SavedCase, SavedSet, SearchResult,
+    UsualEncounters,
 };
+use scenario::{self, Budget, Case, Goal, Keep, Objective, Relation, Search, SearchRange, ShownIn};
 
-/// Runs with fresh seeds that tell how much of a best value was luck.
-const FRESH_RUNS: u32 = 20;
+/// What is rarer than this counts as this rare where a search looks among what is usual enough, and what is more by a factor than the
+/// other as that.
+const LEAST_SHARE: f64 = 1e-9;
+const LEAST_FACTOR: f64 = 1e-3;
 
 /// Points of a slice through the surrogate.
 const SLICE_STEPS: usize = 101;
@@ -37,9 +39,6 @@ const COURSE_RUNS: u32 = 10;
 /// there is memory for.
 const SIDE_BY_SIDE: usize = 64;
 
-/// People who are all in every evaluation, each of them one or several pedestrians.
-type Group = Vec<Vec<Individual>>;
-
 /// Runs one search to its end.
 ///
 /// # Errors
@@ -49,21 +48,21 @@ pub fn run_search(
     search: &Search,
     progress: &dyn BlockProgress,
 ) -> Result<SearchResult, ExperimentError> {
-    let scenario = with_individuals(context.scenario(&search.scenario)?, search);
-    let people = plan::select_people(context.suite.seed, &scenario)?;
-    let groups: Vec<Group> =
-        if search.together { vec![people] } else { people.into_iter().map(|group| vec![group]).collect() };
+    let searched = Searched::new(context.suite, search, context.scenario(&search.scenario)?);
+    let groups = searched.groups()?;
+    let together = groups.iter().any(|group| group.len() > 1);
     let under = Under {
         context,
         search,
-        scenario: &scenario,
+        encounters: PlausibleEncounters::of(search, &searched.scenario, together)?,
+        searched,
         progress,
         done: AtomicUsize::new(0),
         all: groups.len() * search.budget.evaluations as usize,
     };
     let (mut found, mut over) = (Vec::with_capacity(groups.len()), Vec::with_capacity(groups.len()));
     for groups in groups.chunks(SIDE_BY_SIDE) {
-        let begin = |group: &Group| under.begin(group);
+        let begin = |group: &SearchedPeople| under.begin(group);
         let mut all =
             context.executor.think(|| groups.par_iter().map(begin).collect::<Result<Vec<_>, _>>())?;
         optimise(context, &mut all, &Groups { under: &under, groups })?;
@@ -71,6 +70,7 @@ pub fn run_search(
         over.extend(all.into_iter().map(Optimisation::into_record));
     }
     under.follow(&groups, &mut found)?;
+    let usual = under.usual(&groups, &mut found)?;
     // Only now: a search that is cut off repeats nobody.
     over.into_iter().for_each(Record::remove);
     let kept = found.iter().flat_map(Found::kept_cases).cloned().collect();
@@ -93,35 +93,8 @@ pub fn run_search(
             cases: kept,
         },
         found,
+        usual,
     })
-}
-
-/// The scenario with the people whom the search says.
-pub(super) fn with_individuals(scenario: &Scenario, search: &Search) -> Scenario {
-    let mut scenario = scenario.clone();
-    if let Some(individuals) = &search.individuals {
-        for pedestrian in scenario.pedestrians.iter_mut().filter(|one| one.individuals.is_some()) {
-            pedestrian.individuals = Some(individuals.clone());
-        }
-        if scenario.pedestrians.iter().all(|one| one.individuals.is_none())
-            && let Some(person) = likely_individual(&scenario.pedestrians)
-        {
-            let group = person.group.as_ref().map(|membership| membership.group.clone());
-            let name = group.unwrap_or_else(|| person.name.clone());
-            for one in scenario.pedestrians.iter_mut().filter(|one| one.is(&name)) {
-                one.individuals = Some(individuals.clone());
-            }
-        }
-    }
-    scenario
-}
-
-/// The first pedestrian whose model takes individuals, or the first if none does.
-fn likely_individual(people: &[DeclaredPedestrian]) -> Option<&DeclaredPedestrian> {
-    let takes = |one: &&DeclaredPedestrian| {
-        one.model.all().iter().all(|model| model.entry().is_some_and(|model| model.takes_individuals))
-    };
-    people.iter().find(takes).or(people.first())
 }
 
 /// The optimiser's definition for a budget.
@@ -157,7 +130,9 @@ const PENALTY: f64 = 1000.0;
 struct Under<'a> {
     context: &'a Context<'a>,
     search: &'a Search,
-    scenario: &'a Scenario,
+    searched: Searched<'a>,
+    /// `None` where nothing says how usual any encounter is.
+    encounters: Option<PlausibleEncounters>,
     progress: &'a dyn BlockProgress,
     done: AtomicUsize,
     all: usize,
@@ -166,104 +141,72 @@ struct Under<'a> {
 /// Groups that are searched for side by side.
 struct Groups<'a> {
     under: &'a Under<'a>,
-    groups: &'a [Group],
+    groups: &'a [SearchedPeople],
 }
 
 impl EvaluateRound for Groups<'_> {
     fn cases(&self, group: usize, proposal: &Proposal) -> Result<Vec<Case>, ExperimentError> {
         let (under, group) = (self.under, &self.groups[group]);
-        let key = format!("{}/evaluation={}", under.name(group), proposal.id);
-        under.cases(&key, group, &proposal.point, under.search.runs)
+        let key = format!("{}/evaluation={}", under.searched.name(group), proposal.id);
+        under.searched.cases(&key, group, &proposal.point, under.search.runs)
     }
 
     fn values(&self, proposal: &Proposal) -> String {
         overrides::in_words(&self.under.search.over, &proposal.point)
     }
 
-    fn evaluation(&self, outcomes: &[Outcome], _: bool) -> Evaluation {
+    fn evaluation(&self, cases: &[Case], outcomes: &[Outcome], _: bool) -> Evaluation {
         let (value, noise_variance) = self.under.objective(outcomes);
         Evaluation {
             objectives: vec![ObjectiveValue { value, noise_variance }],
-            margins: Vec::new(),
+            margins: self.under.margins(cases),
             repetitions: self.under.search.runs,
         }
     }
 
     fn evaluated(&self, evaluation: &Evaluation) {
         let done = self.under.done.fetch_add(1, Ordering::Relaxed) + 1;
-        self.under.progress.evaluated(done, self.under.all, evaluation.objectives[0].value);
+        let is_looked_for =
+            evaluation.margins.iter().all(|margin| margin.value.is_some_and(|one| one >= 0.0));
+        let value = evaluation.objectives[0].value.filter(|_| is_looked_for);
+        self.under.progress.evaluated(done, self.under.all, value);
     }
 }
 
 impl Under<'_> {
     /// The search for one group of people.
-    fn begin(&self, group: &Group) -> Result<Optimisation, ExperimentError> {
+    fn begin(&self, group: &SearchedPeople) -> Result<Optimisation, ExperimentError> {
         let suite = self.context.suite;
-        let name = self.name(group);
+        let name = self.searched.name(group);
         let space = overrides::space(&self.search.over)?;
         let seed = derive_seed(suite.seed, &name);
         let goals = vec![self.search.objective.direction];
-        let definition = definition(space, &self.search.budget, goals, 0, seed);
-        let inputs = (suite.seed, &name, self.scenario, self.search, group);
+        let constraints = self.bounds().count();
+        let definition = definition(space, &self.search.budget, goals, constraints, seed);
+        let inputs = (suite.seed, &name, &self.searched.scenario, self.search, group);
         Optimisation::begin(self.context, &name, &inputs, definition, self.search.budget.batch as usize)
     }
 
-    /// The beginning of the keys of a group's runs.
-    fn name(&self, group: &[Vec<Individual>]) -> String {
-        let label = if self.search.together { String::new() } else { plan::people_label(&group[0]) };
-        format!("{}/{}{label}", self.context.suite.name, self.search.name)
-    }
-
-    /// The cases of one evaluation: everybody, in every variation that is not searched, `runs` times.
-    fn cases(
-        &self,
-        key: &str,
-        group: &[Vec<Individual>],
-        point: &[optimise::Coordinate],
-        runs: u32,
-    ) -> Result<Vec<Case>, ExperimentError> {
-        let mut scenario = overrides::without_variations(self.scenario, &self.search.over);
-        overrides::apply(&mut scenario, &overrides::settings(&self.search.over, point))?;
-        let fixed = overrides::assignments(&self.search.over, point);
-        let mut cases = Vec::new();
-        let seed = self.context.suite.seed;
-        for combination in plan::combinations(seed, &scenario, plan::variables(&fixed))? {
-            let variation: Vec<Assignment> = [fixed.clone(), combination].concat();
-            let labels: String = variation
-                .iter()
-                .map(|assignment| format!("/{}={}", assignment.name, assignment.label))
-                .collect();
-            for people in group {
-                let people_label =
-                    if self.search.together { plan::people_label(people) } else { String::new() };
-                for run in 1..=runs {
-                    let key = format!("{key}{labels}{people_label}/rep={run}");
-                    let seed = derive_seed(self.context.suite.seed, &key);
-                    let people = people.clone();
-                    cases.push(plan::concrete_case(&scenario, key, variation.clone(), people, run, seed)?);
-                }
-            }
-        }
-        Ok(cases)
-    }
-
     /// What was found for each of the groups, whose best points are run again and with fresh seeds.
-    fn conclude(&self, groups: &[Group], all: &[Optimisation]) -> Result<Vec<Found>, ExperimentError> {
+    fn conclude(
+        &self,
+        groups: &[SearchedPeople],
+        all: &[Optimisation],
+    ) -> Result<Vec<Found>, ExperimentError> {
         let context = self.context;
-        let each = |(group, one): (&Group, &Optimisation)| self.conclude_one(group, &one.optimiser);
+        let each = |(group, one): (&SearchedPeople, &Optimisation)| self.conclude_one(group, &one.optimiser);
         let mut found = context.executor.think(|| groups.par_iter().zip(all).map(each).collect::<Vec<_>>());
-        let once_more = |(group, one): (&Group, &Optimisation)| {
+        let once_more = |(group, one): (&SearchedPeople, &Optimisation)| {
             let Some(best) = one.optimiser.best_observed() else { return Ok(Vec::new()) };
-            let name = self.name(group);
+            let name = self.searched.name(group);
             let again = format!("{name}/evaluation={}", best.id);
-            let again = self.cases(&again, group, &best.point, self.search.runs)?;
-            Ok(vec![again, self.cases(&format!("{name}/fresh"), group, &best.point, FRESH_RUNS)?])
+            let again = self.searched.cases(&again, group, &best.point, self.search.runs)?;
+            Ok(vec![again, self.searched.cases(&format!("{name}/fresh"), group, &best.point, FRESH_RUNS)?])
         };
         let cases = context.executor.think(|| groups.par_iter().zip(all).map(once_more).collect::<Vec<_>>());
         let cases = cases.into_iter().collect::<Result<Vec<_>, ExperimentError>>()?.concat();
         let mut outcomes = context.run_all(1, &cases.concat())?.into_iter();
         let mut cases = cases.iter();
-        let known = PlausiblePeople::of(self.search, self.scenario);
         for (one, found) in all.iter().zip(&mut found) {
             let Some(best) = one.optimiser.best_observed() else { continue };
             let mut next = || {
@@ -272,9 +215,9 @@ impl Under<'_> {
             };
             let ((again, runs), (_, fresh)) = (next(), next());
             found.passed_first = runs.first().and_then(|outcome| context.passed_first(outcome));
-            found.plausibility = again.first().and_then(|case| known.of_case(case));
-            found.kept = runs.iter().map(|outcome| self.keeps(outcome)).collect();
+            found.plausibility = self.plausibility(again).map(|one| one.share);
             found.runs = self.saved(&best.point, again, runs);
+            found.kept = found.runs.iter().map(|run| self.keeps(run)).collect();
             found.fresh = self.objective(&fresh).0;
             let decided = context.seen(self.search.objective.aggregate.metric(), &fresh);
             found.fresh_runs = decided.iter().filter(|one| one.is_value()).count() as u32;
@@ -283,7 +226,7 @@ impl Under<'_> {
     }
 
     /// What the optimiser found, of which nothing is run yet.
-    fn conclude_one(&self, group: &Group, optimiser: &Optimiser) -> Found {
+    fn conclude_one(&self, group: &SearchedPeople, optimiser: &Optimiser) -> Found {
         let evaluations = optimiser
             .trials()
             .iter()
@@ -299,6 +242,7 @@ impl Under<'_> {
             passed_first: None,
             plausibility: None,
             evaluations,
+            plausibilities: Vec::new(),
             stop: optimiser.stop_reason(),
             slices: Vec::new(),
             runs: Vec::new(),
@@ -326,10 +270,55 @@ impl Under<'_> {
         self.context.objective(aggregate, *direction, outcomes)
     }
 
-    /// Whether a run at the best point is one that the search was to keep; without a condition all are.
-    fn keeps(&self, outcome: &Outcome) -> bool {
-        let Some(keep) = &self.search.keep else { return true };
-        self.context.seen(&keep.metric, std::slice::from_ref(outcome))[0].holds(keep, false)
+    /// Whether a run at the best point is all that the search was to keep; without a condition all are.
+    fn keeps(&self, run: &CaseRun) -> bool {
+        self.search.keep.iter().all(|keep| match keep {
+            Keep::Metric { comparison, .. } => {
+                let seen = self.context.seen(&comparison.metric, std::slice::from_ref(&run.outcome));
+                seen[0].holds(comparison, false)
+            }
+            Keep::Plausibility { relation, bound } => {
+                run.case.plausibility.is_some_and(|share| relation.holds(share, *bound))
+            }
+        })
+    }
+
+    /// How usual the encounters are that the search looks among: those that it keeps.
+    fn bounds(&self) -> impl Iterator<Item = (Relation, f64)> {
+        self.search.keep.iter().filter_map(|keep| match keep {
+            Keep::Plausibility { relation, bound } => Some((*relation, *bound)),
+            Keep::Metric { .. } => None,
+        })
+    }
+
+    /// How far an evaluation is within what it looks among, by factors, which range over more than differences do.
+    fn margins(&self, cases: &[Case]) -> Vec<Margin> {
+        if self.bounds().next().is_none() {
+            return Vec::new();
+        }
+        let share = self.plausibility(cases).map(|one| one.share);
+        let margin = |(relation, bound): (Relation, f64)| {
+            let bound = bound.max(LEAST_SHARE);
+            let factor = |share: f64| libm::log(share.max(bound * LEAST_FACTOR) / bound);
+            let value = share.map(|share| match relation {
+                Relation::Less | Relation::LessOrEqual => -factor(share),
+                _ => factor(share),
+            });
+            Margin { value, censored: false }
+        };
+        self.bounds().map(margin).collect()
+    }
+
+    /// How usual the encounter of an evaluation is: of its only run, or as far as its runs share it. Where they share less with some of their
+    /// other variations, the least usual.
+    fn plausibility(&self, cases: &[Case]) -> Option<EncounterPlausibility> {
+        let encounters = self.encounters.as_ref()?;
+        if let [case] = cases {
+            return encounters.of_case(case, PartsCounted::Whole);
+        }
+        let each = cases.iter().filter(|case| case.repetition == 1);
+        let each: Option<Vec<_>> = each.map(|case| encounters.of_case(case, PartsCounted::Shared)).collect();
+        each?.into_iter().min_by(|one, other| one.share.total_cmp(&other.share))
     }
 
     /// Runs as cases to be used again, with what came of them.
@@ -344,13 +333,101 @@ impl Under<'_> {
             individuals: case.individuals.clone(),
             seed: case.seed,
             value,
+            plausibility: self
+                .encounters
+                .as_ref()
+                .and_then(|encounters| encounters.of_case(case, PartsCounted::Whole))
+                .map(|one| one.share),
         });
         self.context.case_runs(saved, outcomes)
     }
 
+    /// How usual all evaluated encounters are, and the front of how bad they are against that; the encounters on it are run again with fresh
+    /// seeds.
+    fn usual(
+        &self,
+        groups: &[SearchedPeople],
+        found: &mut [Found],
+    ) -> Result<Option<UsualEncounters>, ExperimentError> {
+        let Some(encounters) = &self.encounters else { return Ok(None) };
+        let of_group = |(group, found): (&SearchedPeople, &mut Found)| -> Result<Vec<_>, ExperimentError> {
+            let name = self.searched.name(group);
+            let one = |(id, (point, _)): (usize, &(Vec<optimise::Coordinate>, Option<f64>))| {
+                let key = format!("{name}/evaluation={id}");
+                Ok(self.plausibility(&self.searched.cases(&key, group, point, self.search.runs)?))
+            };
+            let each = found.evaluations.iter().enumerate().map(one);
+            let each = each.collect::<Result<Vec<_>, ExperimentError>>()?;
+            found.plausibilities = each.iter().map(|one| one.as_ref().map(|one| one.share)).collect();
+            Ok(each)
+        };
+        let known = self.context.executor.think(|| {
+            groups.par_iter().zip(found.par_iter_mut()).map(of_group).collect::<Vec<Result<_, _>>>()
+        });
+        let known = known.into_iter().collect::<Result<Vec<_>, ExperimentError>>()?;
+        let (mut points, mut places) = (Vec::new(), Vec::new());
+        let mut usual = UsualEncounters {
+            of: encounters.parts(),
+            undeclared: encounters.undeclared().to_vec(),
+            possible: 0,
+            impossible: 0,
+            unknown: 0,
+            wanted: None,
+            front: Vec::new(),
+        };
+        if self.search.asks_for_plausibility() {
+            let is_wanted =
+                |share: &f64| self.bounds().all(|(relation, bound)| relation.holds(*share, bound));
+            let shares = found.iter().flat_map(|one| &one.plausibilities).flatten();
+            usual.wanted = Some(shares.filter(|share| is_wanted(share)).count());
+        }
+        let sign = if self.search.objective.direction == Goal::Minimise { -1.0 } else { 1.0 };
+        for (index, (known, found)) in known.iter().zip(&*found).enumerate() {
+            for (evaluation, (known, (_, value))) in known.iter().zip(&found.evaluations).enumerate() {
+                match (known, value) {
+                    (None, _) => usual.unknown += 1,
+                    (Some(one), _) if one.share <= 0.0 => usual.impossible += 1,
+                    // Reports say how many evaluations have no value.
+                    (Some(_), None) => {}
+                    (Some(one), Some(value)) => {
+                        usual.possible += 1;
+                        points.push((sign * value, one.share));
+                        places.push((index, evaluation, one));
+                    }
+                }
+            }
+        }
+        let on_front = front(&points);
+        let mut fresh = Vec::with_capacity(on_front.len());
+        for (index, evaluation, one) in on_front.into_iter().map(|at| places[at]) {
+            let (point, value) = &found[index].evaluations[evaluation];
+            let key = format!("{}/evaluation={evaluation}", self.searched.name(&groups[index]));
+            let cases = self.searched.cases(&key, &groups[index], point, self.search.runs)?;
+            usual.front.push(FrontPoint {
+                found: index,
+                evaluation,
+                value: value.expect("what is on the front has a value"),
+                plausibility: one.share,
+                parts: one.parts.clone(),
+                fresh: None,
+                fresh_runs: 0,
+                key: named_at(&cases[0].key, point),
+            });
+            fresh.push(self.searched.same_encounter(&key, &groups[index], point, &cases)?);
+        }
+        let mut outcomes = self.context.run_all(1, &fresh.concat())?.into_iter();
+        for (one, cases) in usual.front.iter_mut().zip(&fresh) {
+            let outcomes: Vec<Outcome> = outcomes.by_ref().take(cases.len()).collect();
+            one.fresh = self.objective(&outcomes).0;
+            let decided = self.context.seen(self.search.objective.aggregate.metric(), &outcomes);
+            one.fresh_runs = decided.iter().filter(|one| one.is_value()).count() as u32;
+        }
+        Ok(Some(usual))
+    }
+
     /// Gives those who were kept, the worst first, their courses.
-    fn follow(&self, groups: &[Group], found: &mut [Found]) -> Result<(), ExperimentError> {
-        if self.search.keep.is_none() || self.search.together {
+    fn follow(&self, groups: &[SearchedPeople], found: &mut [Found]) -> Result<(), ExperimentError> {
+        if self.search.keep.is_empty() || self.search.together {
             return Ok(());
         }
         let sign = if self.search.objective.direction == Goal::Minimise { 1.0 } else { -1.0 };
@@ -383,7 +460,7 @@ impl Under<'_> {
     fn courses(
         &self,
         index: usize,
-        group: &Group,
+        group: &SearchedPeople,
         found: &Found,
     ) -> Result<Vec<AskedPoint>, ExperimentError> {
         let best: Vec<_> = found.best.iter().flatten().map(|(_, value)| value.clone()).collect();
@@ -401,8 +478,8 @@ impl Under<'_> {
                 let Some(at) = step.number() else { continue };
                 let mut point = best.clone();
                 point[dimension] = step;
-                let key = format!("{}/course={over}", self.name(group));
-                let cases = self.cases(&key, group, &point, COURSE_RUNS)?;
+                let key = format!("{}/course={over}", self.searched.name(group));
+                let cases = self.searched.cases(&key, group, &point, COURSE_RUNS)?;
                 asked.push(AskedPoint { group: index, over: over.clone(), at, cases });
             }
         }

@@ -1,6 +1,7 @@
 //! Blocks over real simulations, small ones.
 
 mod evaluate;
+mod plausible;
 mod rounds;
 mod search_and_tune;
 mod statement;
@@ -17,11 +18,11 @@ use scenario::registry::Table;
 use scenario::{
     self, Aggregate, Block, Budget, CaseSet, Comparison as Bound, DeclaredAppearance, DeclaredPedestrian,
     DeclaredStanding, DeclaredVehicleStart, Direction, Evaluate, Expression, Goal, Individuals,
-    InitialDesign, Measure, Measured, Membership, MetricReference, Model, Objective, Origin, OutcomesOf,
-    ParameterSet, Part, PopulationShare, Quantity, RangeValues, Registered, Relation, Road, SampleSize,
-    Scenario, Search, SearchMethod, SearchRange, Side, Statement, StatementClaim, StatementClaimKind, Suite,
-    Target, TrendDirection, Tune, Value, Variation, VariationCondition, VariedValue, Vehicle,
-    VehicleReference, WhenUndefined,
+    InitialDesign, Keep, Measure, Measured, Membership, MetricReference, Model, Objective, Origin,
+    OutcomesOf, ParameterSet, Part, PopulationShare, Quantity, RangeValues, Registered, Relation, Road,
+    SampleSize, Scenario, Search, SearchMethod, SearchRange, Side, Statement, StatementClaim,
+    StatementClaimKind, Suite, Target, TrendDirection, Tune, Value, Variation, VariationCondition,
+    VariedValue, Vehicle, VehicleReference, WhenUndefined,
 };
 
 fn threads() -> &'static Threads {
@@ -146,6 +147,10 @@ fn braking_distance() -> Target {
     Target::Setting { road_user: "av".into(), part: Part::Controller, parameter: "braking_distance".into() }
 }
 
+fn keep(name: &str, relation: Relation, bound: f64) -> Keep {
+    Keep::Metric { comparison: condition(name, relation, bound), written_in: None }
+}
+
 fn suite() -> Suite {
     let search = Search {
         name: "low_pet".into(),
@@ -162,8 +167,7 @@ fn suite() -> Suite {
         over: vec![range(Target::Variation("tta".into()), 6.0, 18.0, "s")],
         budget: budget(9),
         runs: 1,
-        keep: Some(condition("pet", Relation::Less, 100.0)),
-        keep_in: None,
+        keep: vec![keep("pet", Relation::Less, 100.0)],
         origin: Origin::default(),
     };
     let tune = Tune {

@@ -63,7 +63,7 @@ impl EvaluateRound for Under<'_> {
         if self.tune.early_stop { AHEAD } else { usize::MAX }
     }
 
-    fn evaluation(&self, outcomes: &[Outcome], abandoned: bool) -> Evaluation {
+    fn evaluation(&self, _: &[Case], outcomes: &[Outcome], abandoned: bool) -> Evaluation {
         let objective = |objective: &Objective| {
             let (value, noise_variance) =
                 self.context.objective(&objective.aggregate, objective.direction, outcomes);

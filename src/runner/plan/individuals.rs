@@ -9,7 +9,7 @@ use sha2::{Digest, Sha256};
 use super::error::PlanError;
 use numbers::random::{Stream, derive_seed};
 use scenario::population;
-use scenario::population::Population as People;
+use scenario::population::{Plausibility, Population as People};
 use scenario::{
     DeclaredPedestrian, Expression, Individual, Individuals, Membership, PopulationShare, Scenario, Settings,
     Suite, Value,
@@ -160,6 +160,23 @@ pub(super) fn read(pedestrian: &DeclaredPedestrian, individuals: &Individuals) -
         PlanError::new(origin, error.to_string()).with_hint(
             "take `standard` or `humans`, which ship, or a file as docs/populations.md describes it",
         )
+    })
+}
+
+/// How usual people are among those whom a pedestrian is drawn from; `None` where these are too few or too much alike for that.
+///
+/// # Errors
+/// If the population cannot be read.
+pub fn plausibility_of(
+    pedestrian: &DeclaredPedestrian,
+    individuals: &Individuals,
+) -> Result<Option<Plausibility>, PlanError> {
+    let shipped = pedestrian.model.first.entry();
+    let shipped =
+        shipped.and_then(|model| Plausibility::of_shipped(&individuals.population, &model.declaration));
+    Ok(match shipped {
+        Some(known) => Some(known.clone()),
+        None => Plausibility::of(&read(pedestrian, individuals)?),
     })
 }
 

@@ -25,6 +25,7 @@ use scenario::{Assignment, Case, Individual, Scenario, Suite};
 pub use draws::DrawAxis;
 use draws::RunDraws;
 pub use error::PlanError;
+pub(crate) use individuals::plausibility_of;
 pub use individuals::{label as people_label, select as select_people};
 pub use lazily::{Cases, PlannedTrial, ScenarioPlan, plan_scenario};
 pub(crate) use lazily::{Outline, cut_off_draws, outline, probe_scenario};

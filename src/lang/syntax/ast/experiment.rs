@@ -22,13 +22,15 @@ views! {
         over: [Over],
         budget: (Budget),
         repeat: (Repeat),
-        keep: (Constraint),
+        keep: (Keep),
     }
     /// `in SCENARIO`
     SearchIn = search_in { name: Name }
     Together = together {}
-    /// `keep pet < 1.5 s`, or what a tune is subject to
-    Constraint = keep | constraint { condition: Condition, undefined: (Undefined) }
+    /// `keep pet < 1.5 s and plausibility >= 5 %`
+    Keep = keep { each: [Constraint] }
+    /// What a search keeps, or what a tune is subject to
+    Constraint = constraint { condition: Condition, undefined: (Undefined) }
     /// `tune NAME { … }`
     Tune = tune { name: Name, block: TuneBlock }
     TuneBlock = tune_block {
@@ -156,6 +158,7 @@ views! {
         event: (Event),
         score: (Score),
         budget: (EstimateBudget),
+        exposure: (Exposure),
         claims: [EstimateClaim],
     }
     /// `of SCENARIO`
@@ -167,11 +170,13 @@ views! {
     /// `budget 50000 runs, by importance`
     EstimateBudget = estimate_budget { runs: Integer, method: (SamplingMethod) }
     SamplingMethod = sampling_method { is_splitting: {kw_splitting}, is_crude: {kw_crude} }
-    /// `claim guaranteed <= 1e-3 with 95 % confidence`
+    /// `exposure 3 .. 12 encounters per 1000 km source "A count"`
+    Exposure = exposure { numbers: [Expression], confidence: (Confidence), source: (Text) }
+    /// `claim guaranteed <= 1e-3 with 95 % confidence`, or `claim <= 0.01 per 1000 km` of two numbers
     EstimateClaim = estimate_claim {
         is_guaranteed: {kw_guaranteed},
         relation: Relation,
-        bound: Expression,
+        numbers: [Expression],
         confidence: (Confidence),
     }
     /// `statement NAME { … }`
@@ -343,8 +348,8 @@ pub static SEARCH_BLOCK: BlockEntry = BlockEntry {
         statement(
             "keep",
             Rule::keep,
-            "keep pet < 1.5 s",
-            "Which of the worst cases belong to the set that the search makes.",
+            "keep pet < 1.5 s`, `keep pet < 1.5 s and plausibility >= 5 %",
+            "Which of the worst cases belong to the set that the search makes: by what is measured, and by how usual the encounter is.",
         )
         .key("keep", YamlShape::Words),
     ],
@@ -495,10 +500,17 @@ pub static ESTIMATE_BLOCK: BlockEntry = BlockEntry {
         .key("budget", YamlShape::Words)
         .needed("budget", "budget 50000 runs, by importance"),
         statement(
+            "exposure",
+            Rule::exposure,
+            "exposure 3 .. 12 encounters per 1000 km source \"How they were counted, where and when\"",
+            "How many such encounters there are along how far, and how that is known: results are then told per 1,000 km as well. There is no default.",
+        )
+        .key("exposure", YamlShape::Words),
+        statement(
             "claim",
             Rule::estimate_claim,
-            "claim <= 1e-5 with 95 % confidence`, `claim guaranteed <= 1e-3",
-            "What the probability is at most: by the estimate, or by the bound that needs no assumption.",
+            "claim <= 1e-5 with 95 % confidence`, `claim guaranteed <= 1e-3`, `claim <= 0.01 per 1000 km",
+            "What the probability is at most: by the estimate, or by the bound that needs no assumption; with an exposure also how many events there are along a distance.",
         )
         .key("claims", YamlShape::Lines)
         .repeats(),

@@ -8,8 +8,8 @@ use numbers::rare::{
     CONTRADICTION, LARGEST_DEVIATION, LARGEST_SHARE, LEAST_EFFECTIVE, RareEstimate, RareRefusal,
     RareSampling, RareScale, RareSpace, WeighedHit,
 };
-use results::{EstimateResult, EstimatedClaim, EstimatedCluster, EstimatedRun, Verdict};
-use scenario::{Estimate, EstimateClaim, EstimateMethod, significant};
+use results::{EstimateResult, EstimatedClaim, EstimatedCluster, EstimatedRun, EventsPerDistance, Verdict};
+use scenario::{Estimate, EstimateClaim, EstimateMethod, Exposure, significant};
 
 /// Of the interval and the bound that are always said.
 const CONFIDENCE: f64 = 0.95;
@@ -71,8 +71,14 @@ pub fn conclude(
     let clusters: Vec<EstimatedCluster> =
         seen.take(MOST_RUNS).map(cluster).collect::<Result<_, ExperimentError>>()?;
     let refusals: Vec<String> = estimate.refusals.iter().map(|one| in_words(one, &estimate)).collect();
-    let claims = block.claims.iter().map(|claim| decide(claim, &estimate, &refusals)).collect();
+    let exposure = block.exposure.as_ref();
+    let claims = block.claims.iter().map(|claim| decide(claim, exposure, &estimate, &refusals)).collect();
+    let (guaranteed, unseen) = (estimate.guaranteed(CONFIDENCE), estimate.unseen(CONFIDENCE));
+    let interval = estimate.interval(CONFIDENCE);
     Ok(EstimateResult {
+        per_1000_km: exposure.map(|exposure| {
+            EventsPerDistance::new(exposure, (guaranteed, unseen), (estimate.value, interval), CONFIDENCE)
+        }),
         name: block.name.clone(),
         doc: block.doc.clone(),
         scenario: block.scenario.clone(),
@@ -85,11 +91,11 @@ pub fn conclude(
         replicates: method.replicates().iter().map(|one| one.probability).collect(),
         value: estimate.value,
         confidence: CONFIDENCE,
-        interval: estimate.interval(CONFIDENCE),
+        interval,
         assumption: assumption(block.method).to_string(),
         relative_deviation: estimate.relative_deviation,
-        guaranteed: estimate.guaranteed(CONFIDENCE),
-        unseen: estimate.unseen(CONFIDENCE),
+        guaranteed,
+        unseen,
         nominal_runs: estimate.nominal.0,
         nominal_hits: estimate.nominal.1,
         hits: estimate.hits,
@@ -184,7 +190,12 @@ fn warnings(block: &Estimate, method: &dyn RareSampling, told: &Told) -> Vec<Str
 }
 
 /// A claim holds where its one-sided bound shows it, is wrong where the bound from the other side shows that, and else open.
-fn decide(claim: &EstimateClaim, estimate: &RareEstimate, refusals: &[String]) -> EstimatedClaim {
+fn decide(
+    claim: &EstimateClaim,
+    exposure: Option<&Exposure>,
+    estimate: &RareEstimate,
+    refusals: &[String],
+) -> EstimatedClaim {
     let level = percent(claim.confidence);
     let (verdict, reason) = if claim.guaranteed {
         let upper = estimate.guaranteed(claim.confidence);
@@ -192,11 +203,11 @@ fn decide(claim: &EstimateClaim, estimate: &RareEstimate, refusals: &[String]) -
         let lower =
             if runs == 0 { 0.0 } else { numbers::inference::lower_bound(hits, runs, claim.confidence) };
         let of = format!("{hits} of {runs} runs that are drawn as they are have the event");
-        judged(claim, lower, upper, &format!("{of}; at {level} without assumptions"))
+        judged(claim, exposure, (lower, upper), &format!("{of}; at {level} without assumptions"))
     } else if refusals.is_empty() {
         let (lower, upper) = (estimate.lower(claim.confidence), estimate.upper(claim.confidence));
         let of = format!("the estimate is {}; at {level} by it", number(estimate.value));
-        judged(claim, lower, upper, &of)
+        judged(claim, exposure, (lower, upper), &of)
     } else {
         (Verdict::Inconclusive, format!("the estimate is refused: {}", refusals.join("; ")))
     };
@@ -204,16 +215,33 @@ fn decide(claim: &EstimateClaim, estimate: &RareEstimate, refusals: &[String]) -
     EstimatedClaim { text: text.clone(), guaranteed: *guaranteed, verdict, reason }
 }
 
-fn judged(claim: &EstimateClaim, lower: f64, upper: f64, of: &str) -> (Verdict, String) {
-    if upper <= claim.at_most {
-        (Verdict::Passed, format!("{of} the probability is at most {}", number(upper)))
-    } else if lower > claim.at_most {
-        (Verdict::Failed, format!("{of} the probability is at least {}", number(lower)))
+fn judged(
+    claim: &EstimateClaim,
+    exposure: Option<&Exposure>,
+    (lower, upper): (f64, f64),
+    of: &str,
+) -> (Verdict, String) {
+    // Of events along a distance it holds with the most encounters that there may be, and is wrong only with the fewest.
+    let along = claim.per_1000_km.zip(exposure);
+    let (low, high, bound, what) = match along {
+        Some((events, exposure)) => {
+            (lower * exposure.low, upper * exposure.high, events, "events in 1,000 km are")
+        }
+        None => (lower, upper, claim.at_most, "the probability is"),
+    };
+    let verdict = if high <= bound {
+        Verdict::Passed
+    } else if low > bound {
+        Verdict::Failed
     } else {
-        let (lower, upper) = (number(lower), number(upper));
-        (
-            Verdict::Inconclusive,
-            format!("{of} the probability is at least {lower}, and at most {upper} by as much"),
-        )
-    }
+        Verdict::Inconclusive
+    };
+    let said = match verdict {
+        Verdict::Passed => format!("{of} {what} at most {}", number(high)),
+        Verdict::Failed => format!("{of} {what} at least {}", number(low)),
+        Verdict::Inconclusive => {
+            format!("{of} {what} at least {}, and at most {} by as much", number(low), number(high))
+        }
+    };
+    (verdict, said)
 }

@@ -28,7 +28,7 @@ impl EvaluateRound for Failing<'_> {
         }
     }
 
-    fn evaluation(&self, _: &[Outcome], _: bool) -> Evaluation {
+    fn evaluation(&self, _: &[Case], _: &[Outcome], _: bool) -> Evaluation {
         Evaluation::of(1.0)
     }
 

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use super::*;
-use crate::experiment::search::with_individuals;
+use crate::experiment::searched::with_individuals;
 use crate::run::Shuffled;
 use results::{BlockResult, MetricSummary, SearchResult, TuneResult, Violations};
 use scenario::population::{HUMANS, Plausibility, Population};
@@ -138,7 +138,7 @@ fn sets_of_cases_round_trip_and_can_be_tuned_on() {
 #[test]
 fn an_empty_set_and_an_unsatisfiable_constraint_are_said_plainly() {
     let mut suite = suite();
-    suite.searches[0].keep = Some(condition("pet", Relation::Less, -1.0));
+    suite.searches[0].keep = vec![keep("pet", Relation::Less, -1.0)];
     let context = Context::new(&suite, threads(), &standard());
     let early = run_tune(&context, &suite.tunes[0], &EarlierResults::default(), &Silent);
     assert_eq!(early.unwrap_err().to_string(), "`low_pet` has not been run, but is needed");

@@ -104,7 +104,7 @@ fn hasty() -> Suite {
         text: "minimise mean(time_lost)".into(),
         notation: None,
     };
-    suite.searches[0].keep = None;
+    suite.searches[0].keep = Vec::new();
     suite
 }
 
