@@ -19,6 +19,7 @@ mod gate;
 mod group;
 mod junction;
 mod literal;
+mod matched_parameters;
 mod metric;
 mod model;
 mod over;
