@@ -447,7 +447,7 @@ pub static CALIBRATE_BLOCK: BlockEntry = BlockEntry {
         statement(
             "match mean",
             Rule::matched_mean,
-            "match mean of walker.model.ped_free_speed to 1.34 m/s within 0.03 m/s",
+            "match mean of walker.model.ped_free_speed to 1.34 m/s within 0.03 m/s`, `match mean of walker.model.beta_V to 20 within 2",
             "What is known besides of how a parameter is distributed: its mean among the weighted candidates lies within so much of that.",
         )
         .key("match_mean", YamlShape::Words)

@@ -85,7 +85,7 @@ impl BoundedParameters {
     }
 
     fn mean(&self, weights: &[f64], index: usize) -> f64 {
-        super::weigh::mean(&self.rows, weights, index)
+        self.rows.iter().zip(weights).map(|(row, weight)| weight * row[index]).sum()
     }
 
     /// What the statistics of a block are by these weights, and by equal ones.
