@@ -533,7 +533,7 @@ mod tests {
             let [a, b, c] =
                 [&rows[0], &rows[1], &rows[2]].map(|row| [row[kept[0]], row[kept[1]], row[kept[2]]]);
             let cross = [b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]];
-            dot(&a, &cross) * if left % 2 == 0 { 1.0 } else { -1.0 }
+            dot(&a, &cross) * if left.is_multiple_of(2) { 1.0 } else { -1.0 }
         };
         (0..4).map(minor).collect()
     }
