@@ -12,8 +12,8 @@ use super::set::SetArguments;
 use super::{Exit, number, store};
 use files::Disk;
 use models::calibrate::{
-    Calibration, CalibrationJournal, Candidates, Design, ParameterRange, Report, Request, calibrate,
-    published_candidates, published_criteria, published_grid, read_criteria,
+    Calibration, CalibrationJournal, Candidates, Design, DrawnParameter, ParameterRange, Report, Request,
+    calibrate, published_candidates, published_criteria, published_grid, read_criteria,
 };
 use models::pedestrian::commotions::model::commotions;
 use models::pedestrian::commotions::{Variant, VariantError};
@@ -77,6 +77,11 @@ pub struct CalibrateArguments {
     /// Without it the published grid. May be repeated.
     #[arg(long, value_name = "NAME=LOW..HIGH[:LEVELS]", value_parser = parse_range)]
     range: Vec<ParameterRange>,
+
+    /// Gives every candidate a value of another parameter, in equally likely strata of a distribution in SI units, such as
+    /// `"ped_free_speed=truncated_normal(1.34, 0.26, 0.5, 2.2)"`. May be repeated.
+    #[arg(long, value_name = "NAME=DISTRIBUTION(…)")]
+    draw: Vec<DrawnParameter>,
 
     /// Cross the design with the parameter sets in this population file, which give some of the parameters.
     #[arg(long, value_name = "FILE")]
@@ -167,12 +172,13 @@ enum CalibrateError {
 }
 
 /// What a block says by itself.
-const BY_CRITERIA: [&str; 10] = [
+const BY_CRITERIA: [&str; 11] = [
     "variant",
     "candidates",
     "design",
     "count",
     "range",
+    "draw",
     "base",
     "criteria",
     "no_criteria",
@@ -225,13 +231,19 @@ fn try_run(arguments: &CalibrateArguments) -> Result<Exit, CalibrateError> {
     }
     let Some(out) = &arguments.out else { return Ok(Exit::Usage) };
     let variant: Variant = arguments.variant.parse()?;
-    let (candidates, design) = candidates(arguments, &variant)?;
-    let calibration = Calibration {
-        variant,
-        criteria,
-        repetitions: arguments.repetitions,
-        seed: arguments.seed.unwrap_or(1),
-    };
+    let (candidates, mut design) = candidates(arguments, &variant)?;
+    let seed = arguments.seed.unwrap_or(1);
+    let mut candidates = candidates.with_draws(&arguments.draw, seed, &commotions().declaration)?;
+    for drawn in &arguments.draw {
+        design.push_str(&format!(", {drawn}"));
+    }
+    let is_published = matches!(arguments.design, Designs::Published);
+    let first = arguments.first.filter(|first| is_published && *first < candidates.rows.len());
+    if let Some(first) = first {
+        candidates.rows.truncate(first);
+        design.push_str(&format!(", the first {first} of them"));
+    }
+    let calibration = Calibration { variant, criteria, repetitions: arguments.repetitions, seed };
     let request = Request { calibration, candidates, design };
     let journal = arguments
         .journal
@@ -321,14 +333,10 @@ fn published(arguments: &CalibrateArguments) -> Result<(Candidates, String), Cal
     let file = arguments.base.as_ref().ok_or(CalibrateError::NoBase)?;
     let seed = arguments.seed.unwrap_or(1);
     let found = published_candidates(file, arguments.count, seed)?;
-    let mut found = found.with_ranges(&arguments.range, seed, &commotions().declaration)?;
+    let found = found.with_ranges(&arguments.range, seed, &commotions().declaration)?;
     let mut words = format!("{} of the published fit", found.rows.len());
     for ParameterRange { name, low, high, .. } in &arguments.range {
         words.push_str(&format!(", {name} in strata over {low}..{high}"));
-    }
-    if let Some(first) = arguments.first.filter(|first| *first < found.rows.len()) {
-        found.rows.truncate(first);
-        words.push_str(&format!(", the first {first} of them"));
     }
     Ok((found, words))
 }

@@ -401,7 +401,8 @@ codes! {
          shares are between 0 and 1 and those of the counts. docs/populations.md has an example.";
     BadCandidates = "E0818", "nobody can be weighed",
         "A `calibrate` block weighs candidates: there are more of them than targets, of a model that takes individuals, and every scenario \
-         has one pedestrian who they can be. Every condition is a value that a variation lists.";
+         has one pedestrian who they can be. Every condition is a value that a variation lists. `match mean of` and `match deviation of` take a \
+         quantity among the parameters of that pedestrian's model, such as `walker.model.ped_free_speed`.";
     BadEstimate = "E0830", "a probability cannot be estimated",
         "An `estimate` block is of a scenario that draws what differs from run to run, as one trial: without `vary`, and with people who are \
          `drawn from` a population or one of it. Its score is a quantity that gets worse towards the event, such as `score pet`. \

@@ -3,8 +3,11 @@
 use std::fmt::Write;
 
 use super::columns::columns;
+use super::format::in_unit;
 use files::escape::html;
-use results::{CalibrateResult, CalibratedCondition, CalibratedShare, ComparedPopulation};
+use results::{
+    CalibrateResult, CalibratedCondition, CalibratedParameter, CalibratedShare, ComparedPopulation,
+};
 
 const STRING: &str = "writing to a string cannot fail";
 
@@ -27,6 +30,11 @@ pub fn render_calibrate(result: &CalibrateResult) -> String {
         text += &columns(&lines);
     }
     text.push_str("  in %; fresh: runs whose noise no weight has seen; left out: by weights that do not know the condition; apart: fresh less people\n");
+    if !result.matched_parameters.is_empty() {
+        let mut lines = vec![parameter_headings(result)];
+        lines.extend(parameter_rows(result));
+        text += &columns(&lines);
+    }
     let parts = |text: &mut String, what: &str, error: Option<f64>| {
         if let Some(error) = error {
             writeln!(text, "  root mean square error {what}: {:.1} points", 100.0 * error).expect(STRING);
@@ -73,6 +81,32 @@ pub(super) fn rows(result: &CalibrateResult, shares: bool) -> Vec<Vec<String>> {
         cells
     };
     result.conditions.iter().enumerate().map(row).collect()
+}
+
+/// The headings of [`parameter_rows`].
+pub(super) fn parameter_headings(result: &CalibrateResult) -> Vec<String> {
+    let own = ["parameter", "wanted", "equal", "fitted"].map(String::from);
+    own.into_iter().chain(result.compared.iter().map(|one| one.name.clone())).collect()
+}
+
+/// A row for each statistic of a parameter that was matched.
+pub(super) fn parameter_rows(result: &CalibrateResult) -> Vec<Vec<String>> {
+    let row = |(index, one): (usize, &CalibratedParameter)| {
+        let CalibratedParameter { parameter, statistic, unit, wanted, within, equal, fitted } = one;
+        let number = |value: f64| in_unit(value, unit);
+        let mut cells = vec![
+            format!("{statistic} of {parameter}"),
+            format!("{} ± {}", number(*wanted), number(*within)),
+            number(*equal),
+            number(*fitted),
+        ];
+        cells.extend(result.compared.iter().map(|other| {
+            let known = other.parameters.get(index).copied().flatten();
+            known.map_or_else(|| "–".to_string(), number)
+        }));
+        cells
+    };
+    result.matched_parameters.iter().enumerate().map(row).collect()
 }
 
 fn points(share: f64) -> String {

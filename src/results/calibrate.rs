@@ -37,6 +37,9 @@ pub struct CalibrateResult {
     pub effective_size: f64,
     /// A row of the observations each, in the order of the scenarios and of what they vary.
     pub conditions: Vec<CalibratedCondition>,
+    /// What was known besides of how parameters are distributed.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub matched_parameters: Vec<CalibratedParameter>,
     /// In how many parts conditions were held back.
     pub folds: u32,
     /// Root mean square error of shares in conditions that were held back part by part; `None` where none were.
@@ -93,6 +96,28 @@ pub struct ComparedPopulation {
     pub runs: u32,
     /// Share of runs and share of pairs of a person's runs, of each condition in their order, 0 to 1.
     pub shares: Vec<(f64, f64)>,
+    /// What the matched statistics of parameters are among them, SI units, in their order; `None` where nobody says it.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub parameters: Vec<Option<f64>>,
+}
+
+/// A statistic of a parameter as it was to be matched and as it is among the candidates, SI units.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct CalibratedParameter {
+    /// As the model declares it.
+    pub parameter: String,
+    /// `mean`, or `deviation`: the root mean square distance from the mean that was to be matched.
+    pub statistic: String,
+    /// Of the numbers.
+    pub unit: String,
+    /// What it was to be.
+    pub wanted: f64,
+    /// How far from it at most.
+    pub within: f64,
+    /// Of all candidates, equally weighed.
+    pub equal: f64,
+    /// By the weights.
+    pub fitted: f64,
 }
 
 /// A share as observed and as computed, 0 to 1.
@@ -154,6 +179,9 @@ impl CalibrateResult {
             ("warnings", json!(self.warnings)),
         ];
         let mut provenance = BTreeMap::from(provenance.map(|(name, value)| (name.to_owned(), value)));
+        if !self.matched_parameters.is_empty() {
+            provenance.insert("matched_parameters".to_owned(), json!(self.matched_parameters));
+        }
         if !self.vehicle_speeds.is_empty() {
             provenance.insert(VEHICLE_SPEEDS.to_owned(), json!(self.vehicle_speeds));
         }

@@ -7,9 +7,9 @@
 use sha2::{Digest, Sha256};
 
 use crate::{
-    BlockResult, CalibrateResult, CalibratedCondition, CalibratedShare, Candidate, CaseRun, ClaimResult,
-    ClaimValues, ConditionResult, CoursePoint, EstimateResult, EvaluateResult, Found, MetricCourse,
-    SearchResult, StatementResult, TrendPoint, TuneResult,
+    BlockResult, CalibrateResult, CalibratedCondition, CalibratedParameter, CalibratedShare, Candidate,
+    CaseRun, ClaimResult, ClaimValues, ConditionResult, CoursePoint, EstimateResult, EvaluateResult, Found,
+    MetricCourse, SearchResult, StatementResult, TrendPoint, TuneResult,
 };
 use numbers::random::digest_bits;
 use optimise::Coordinate;
@@ -89,6 +89,7 @@ impl Mixture {
             digest: _,
             effective_size: _,
             conditions,
+            matched_parameters,
             folds: _,
             folds_rms,
             left_out_rms,
@@ -110,6 +111,14 @@ impl Mixture {
         for (share, spread) in compared.iter().flat_map(|one| &one.shares) {
             self.number(*share);
             self.number(*spread);
+        }
+        for CalibratedParameter { parameter: _, statistic: _, unit: _, wanted, within, equal, fitted } in
+            matched_parameters
+        {
+            [wanted, within, equal, fitted].into_iter().for_each(|number| self.number(*number));
+        }
+        for statistic in compared.iter().flat_map(|one| &one.parameters) {
+            self.perhaps(*statistic);
         }
         for CalibratedCondition { scenario: _, values: _, trials, persons, undefined, share, spread } in
             conditions

@@ -51,7 +51,9 @@ pub struct Results {
 }
 
 pub use block::{BlockReport, BlockResult, BlockState};
-pub use calibrate::{CalibrateResult, CalibratedCondition, CalibratedShare, ComparedPopulation};
+pub use calibrate::{
+    CalibrateResult, CalibratedCondition, CalibratedParameter, CalibratedShare, ComparedPopulation,
+};
 pub use cases::{CaseRun, MetricSummary, SavedCase, SavedSet};
 pub use chosen::{Chosen, choose_runs};
 pub use controller::{AnswerTimes, DifferingRun, TestedController};

@@ -29,6 +29,9 @@ pub struct Calibrate {
     /// The same of the spread between persons; `None`: as of shares.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spread_within: Option<f64>,
+    /// What is known besides of how their parameters are distributed.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub parameters: Vec<MatchedParameter>,
     /// In how many parts conditions are held back in turn; 0: in none.
     pub folds: u32,
     /// Runs of every candidate in every condition, at least 2.
@@ -48,6 +51,72 @@ pub enum CandidateSource {
     LatinHypercube(u32),
     /// Those of a population, all or some.
     Population(Individuals),
+}
+
+/// What is known of how a parameter is distributed among people: the weighted candidates have it, too.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MatchedParameter {
+    /// As the model declares it.
+    pub parameter: String,
+    /// What of its distribution.
+    pub statistic: ParameterStatistic,
+    /// What that is to be, SI units.
+    pub value: f64,
+    /// How far from it at most, SI units, above 0.
+    pub within: f64,
+    /// The unit of the parameter, SI.
+    pub unit: String,
+}
+
+/// A number of a distribution, which is a weighted mean.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ParameterStatistic {
+    /// The mean.
+    Mean,
+    /// The root of the mean square distance from this value, which is the mean that is matched: the standard deviation where the
+    /// mean is met.
+    DeviationFrom(f64),
+}
+
+impl ParameterStatistic {
+    /// As blocks call it.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Mean => "mean",
+            Self::DeviationFrom(_) => "deviation",
+        }
+    }
+
+    /// What a value of the parameter adds to the weighted mean.
+    pub fn feature(self, value: f64) -> f64 {
+        match self {
+            Self::Mean => value,
+            Self::DeviationFrom(mean) => (value - mean) * (value - mean),
+        }
+    }
+
+    /// The statistic, of the weighted mean of [`Self::feature`].
+    pub fn of_mean(self, mean: f64) -> f64 {
+        match self {
+            Self::Mean => mean,
+            Self::DeviationFrom(_) => libm::sqrt(mean.max(0.0)),
+        }
+    }
+}
+
+impl MatchedParameter {
+    /// Between which values the weighted mean of the [feature](ParameterStatistic::feature) has to lie.
+    pub fn bounds(&self) -> (f64, f64) {
+        let Self { value, within, .. } = *self;
+        match self.statistic {
+            ParameterStatistic::Mean => (value - within, value + within),
+            ParameterStatistic::DeviationFrom(_) => {
+                let low = (value - within).max(0.0);
+                (low * low, (value + within) * (value + within))
+            }
+        }
+    }
 }
 
 fn one_error() -> f64 {

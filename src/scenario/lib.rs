@@ -72,7 +72,7 @@ pub use agent::CommandKind;
 pub use aggregate::{AGGREGATES, Aggregate, AggregateBounds, AggregateOf, AggregateResponse, AggregateWord};
 pub use approach::Approach;
 pub use block::Block;
-pub use calibrate::{Calibrate, CandidateSource};
+pub use calibrate::{Calibrate, CandidateSource, MatchedParameter, ParameterStatistic};
 pub use case::{Assignment, Case, Individual};
 pub use comparison::{Comparison, MetricReference, Relation, WhenUndefined, constant};
 pub use conflict::{Conflict, half_extent};

@@ -19,6 +19,8 @@ pub struct ContactAhead {
     stretches: Vec<(f64, f64)>,
     /// The last moment at which it was looked at how both move, s, and that.
     last: Option<(f64, Motion)>,
+    /// When they were last found to touch, s.
+    expected: Option<f64>,
 }
 
 /// How two move, as far as a vehicle that keeps its path and a pedestrian who goes straight on need to be told.
@@ -66,7 +68,7 @@ struct Clear {
 const AHEAD: f64 = HORIZON + 2.5;
 
 /// Where somebody comes nearer than this nothing is said to be free, m.
-const NEAR: f64 = 0.05;
+const NEAR: f64 = 0.01;
 
 /// What was found free is looked for anew where less than this share of it still is.
 const LEAST_LEFT: f64 = 0.8;
@@ -80,7 +82,12 @@ const UNSTEADY: f64 = 0.02;
 impl ContactAhead {
     /// Of a pair of which the vehicle follows a path that bends, or does not; allocates what all looks need.
     pub fn new(bends: bool) -> Self {
-        Self { clear: None, stretches: Vec::with_capacity(if bends { LOOKS } else { 0 }), last: None }
+        Self {
+            clear: None,
+            stretches: Vec::with_capacity(if bends { LOOKS } else { 0 }),
+            last: None,
+            expected: None,
+        }
     }
 
     /// As [`contact_with`](crate::contact_with), of a pair that is asked for at one time (s) after another.
@@ -100,7 +107,9 @@ impl ContactAhead {
         if free >= HORIZON {
             return None;
         }
-        let found = moving.meets(&Moving::person(person), free);
+        let expected = self.expected.map(|moment| moment - time);
+        let found = moving.meets(&Moving::person(person), free, expected);
+        self.expected = found.map(|found| time + found);
         if self.clear.is_none_or(|clear| free <= clear.worth(time)) {
             let steady = before.is_some_and(|(earlier, before)| {
                 let apart = before.apart(&motion, time - earlier, 1.0);

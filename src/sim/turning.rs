@@ -38,7 +38,7 @@ pub(super) fn contact_ahead(
     boxes: &[Body],
 ) -> Option<f64> {
     let (one, other) = (Moving::new(first, state, boxes)?, Moving::new(second, state, boxes)?);
-    one.meets(&other, 0.0)
+    one.meets(&other, 0.0, None)
 }
 
 /// The same of a vehicle and a pedestrian.
@@ -46,7 +46,7 @@ pub(super) fn contact_ahead(
 pub fn contact_with(vehicle: &VehicleState, pedestrian: &PedestrianState) -> Option<f64> {
     match vehicle.keeps_straight() {
         true => first_contact(vehicle, pedestrian, pedestrian.velocity - vehicle.velocity()),
-        false => Moving::vehicle(vehicle).meets(&Moving::Person(pedestrian), 0.0),
+        false => Moving::vehicle(vehicle).meets(&Moving::Person(pedestrian), 0.0, None),
     }
 }
 
@@ -54,7 +54,7 @@ pub fn contact_with(vehicle: &VehicleState, pedestrian: &PedestrianState) -> Opt
 pub fn vehicles_meet(one: &VehicleState, other: &VehicleState) -> Option<f64> {
     match one.keeps_straight() && other.keeps_straight() {
         true => Footprint::from(one).first_contact(&other.into(), other.velocity() - one.velocity()),
-        false => Moving::vehicle(one).meets(&Moving::vehicle(other), 0.0),
+        false => Moving::vehicle(one).meets(&Moving::vehicle(other), 0.0, None),
     }
 }
 
@@ -144,9 +144,9 @@ impl<'a> Moving<'a> {
         speed * car.path.most_moved((from, to), (car.length, car.width))
     }
 
-    /// When it first touches another who is known not to touch it for so many seconds: exactly while both go straight on, by looks
-    /// that no contact can hide between where one turns.
-    pub(super) fn meets(&self, other: &Self, free: f64) -> Option<f64> {
+    /// When it first touches another who is known not to touch it for so many seconds, and perhaps expected to touch it then: exactly
+    /// while both go straight on, by looks that no contact can hide between where one turns.
+    pub(super) fn meets(&self, other: &Self, free: f64, expected: Option<f64>) -> Option<f64> {
         let mut time = 0.0;
         loop {
             let ((one_turns, one_for), (other_turns, other_for)) = (self.turns(time), other.turns(time));
@@ -157,7 +157,8 @@ impl<'a> Moving<'a> {
                 let end = (time + lasts).min(HORIZON);
                 let from = look_before(free, LEAST_AHEAD).max(time);
                 let gap = |time: f64| gap_between(&self.outline(time), &other.outline(time));
-                closes(gap, self.fastest(from, end) + other.fastest(from, end), (from, end), LEAST_AHEAD)
+                let fastest = self.fastest(from, end) + other.fastest(from, end);
+                closes(gap, fastest, (from, end), LEAST_AHEAD, expected)
             } else {
                 let velocity = other.velocity(time) - self.velocity(time);
                 let met = self.outline(time).first_contact(&other.outline(time), velocity);
@@ -265,7 +266,7 @@ pub(super) fn touch_on_a_bend(
         Solid::Box(_) => 0.0,
     };
     let gap = |time: f64| gap_between(&outline(first, time), &outline(second, time));
-    closes(gap, fastest(first) + fastest(second), (0.0, duration), LEAST_IN_STEP)
+    closes(gap, fastest(first) + fastest(second), (0.0, duration), LEAST_IN_STEP, None)
 }
 
 /// Whether a body turns between two states.
@@ -295,7 +296,7 @@ pub(crate) fn touched_between(
     let touched = |from: f64, to: f64| {
         let sign = (to - from).signum();
         let gap = |place: f64| gap_between(&vehicle_at(path, sign * place, size), outline);
-        closes(gap, fastest, (sign * from, sign * to), LEAST_WAY).map(|place| sign * place)
+        closes(gap, fastest, (sign * from, sign * to), LEAST_WAY, None).map(|place| sign * place)
     };
     match known {
         None => {

@@ -134,7 +134,8 @@ fn other_tolerances_weigh_the_runs_that_are_known() {
     // With words in between, other folds and another method: the same candidates in the same conditions.
     let closer = format!(
         "\n  {}\n  match spread between individuals of rate(gap_accepted) within 100 % of error\n  \
-         method maximum_entropy within 80 % of error",
+         method maximum_entropy within 80 % of error\n  \
+         match mean of walker.model.T_delta to 40 s within 20 s",
         MATCHED.replace("folds 2", "")
     );
     let suite = load(&closer, &rows.concat());
@@ -258,6 +259,98 @@ fn the_spread_may_have_a_tolerance_of_its_own() {
     let closer = with("", " within 30 % of error");
     assert!(missed(&closer) < missed(&usual), "{} and {}", missed(&closer), missed(&usual));
     assert!(closer.effective_size < usual.effective_size);
+}
+
+/// Mean and root mean square distance from `centre` of a parameter.
+fn moments(result: &CalibrateResult, weights: &[f64], parameter: &str, centre: f64) -> (f64, f64) {
+    let column = result.parameters.iter().position(|name| name == parameter).expect("they have it");
+    let of = |power: &dyn Fn(f64) -> f64| -> f64 {
+        result.individuals.iter().zip(weights).map(|(row, weight)| weight * power(row[column])).sum()
+    };
+    (of(&|value| value), of(&|value| (value - centre) * (value - centre)).sqrt())
+}
+
+const LIVES: &str = "match mean of walker.model.T_delta to 45 s within 0.5 s\n  \
+                     match deviation of walker.model.T_delta to 18 s within 0.5 s";
+
+#[test]
+fn a_parameter_is_distributed_as_it_is_matched() {
+    let usual = calibrated(MATCHED, &ROWS.concat(), &Threads::new(2)).unwrap();
+    let block = format!("{MATCHED}\n  {LIVES}\n  compare with \"them.csv\"");
+    let suite = load(&block, &ROWS.concat());
+    let result = run(&suite, &Threads::new(2), None, &Stop::default(), &Silent).unwrap();
+    let equal = vec![1.0 / 40.0; 40];
+    // It would not come out by itself.
+    for weights in [&usual.weights, &equal] {
+        let (mean, deviation) = moments(&usual, weights, "T_delta", 45.0);
+        assert!((mean - 45.0).abs() > 0.5 || (deviation - 18.0).abs() > 0.5, "{mean} {deviation}");
+    }
+    // As other persons might have been observed, it is distributed so as well.
+    for weights in std::iter::once(&result.weights).chain(&result.resampled) {
+        let (mean, deviation) = moments(&result, weights, "T_delta", 45.0);
+        assert!((mean - 45.0).abs() <= 0.501 && (deviation - 18.0).abs() <= 0.501, "{mean} {deviation}");
+    }
+    // So it is among the members of the population that comes of it, whose number is what rounds them.
+    let population = result.population();
+    let members =
+        (1..=WEIGHTED_MEMBERS).map(|number| population.individual(number).unwrap().number("T_delta"));
+    let mean = members.sum::<f64>() / WEIGHTED_MEMBERS as f64;
+    assert!((mean - 45.0).abs() < 0.55, "{mean}");
+    // What is told is what is.
+    let [mean, deviation] = &result.matched_parameters[..] else { panic!("{:?}", result.matched_parameters) };
+    assert_eq!((mean.statistic.as_str(), deviation.statistic.as_str()), ("mean", "deviation"));
+    assert_eq!(
+        (mean.parameter.as_str(), mean.unit.as_str(), mean.wanted, mean.within),
+        ("T_delta", "s", 45.0, 0.5)
+    );
+    let told = (mean.fitted, deviation.fitted);
+    let found = moments(&result, &result.weights, "T_delta", 45.0);
+    assert!((told.0 - found.0).abs() < 1e-9 && (told.1 - found.1).abs() < 1e-9, "{told:?} {found:?}");
+    let found = moments(&result, &equal, "T_delta", 45.0);
+    assert!((mean.equal - found.0).abs() < 1e-9 && (deviation.equal - found.1).abs() < 1e-9);
+    // Of 20, 40, 80 and 15 s.
+    assert_eq!(result.compared[0].parameters[0], Some(38.75));
+    let text = report::render_calibrate(&result);
+    assert!(text.contains("mean of T_delta       45 s ± 0.5 s"), "{text}");
+    let json: serde_json::Value = serde_json::to_value(&result.population().provenance).unwrap();
+    assert_eq!(json["matched_parameters"][1]["statistic"], "deviation");
+    // Shares are matched beside it.
+    let share = result.conditions[1].share;
+    assert!((share.fitted - share.observed).abs() < (share.equal - share.observed).abs(), "{share:?}");
+    // The method's tolerance is none of it.
+    let closer = format!("{block}\n  method maximum_entropy within 40 % of error");
+    let closer = calibrated(&closer, &ROWS.concat(), &Threads::new(2)).unwrap();
+    let (mean, deviation) = moments(&closer, &closer.weights, "T_delta", 45.0);
+    assert!((mean - 45.0).abs() <= 0.501 && (deviation - 18.0).abs() <= 0.501, "{mean} {deviation}");
+}
+
+#[test]
+fn a_distribution_that_the_candidates_cannot_have_is_told_before_any_run() {
+    let said = |lives: &str| {
+        let told = Told::default();
+        let suite = load(&format!("{MATCHED}\n  {lives}"), &ROWS.concat());
+        let error = run(&suite, &Threads::new(2), None, &Stop::default(), &told).unwrap_err();
+        assert!(told.0.lock().unwrap().is_empty(), "nobody was run");
+        format!("{error} ({})", error.hint().unwrap_or_default())
+    };
+    let far = said("match mean of walker.model.T_delta to 250 s within 5 s");
+    assert!(
+        far.contains(
+            "no mixture of the candidates is as people are: the mean of `T_delta` is to be 250 s ± 5 s"
+        ) && far.contains("and the nearest mixture has 9"),
+        "{far}"
+    );
+    // A mean at one end, and a deviation that only both ends have.
+    let wide = "match mean of walker.model.T_delta to 90 s within 1 s\n  \
+                match deviation of walker.model.T_delta to 40 s within 1 s";
+    assert!(said(wide).contains("the nearest mixture has"), "{}", said(wide));
+    let alike = said("match mean of walker.model.ped_free_speed to 1.34 m/s within 0.03 m/s");
+    assert!(
+        alike
+            .contains("the mean of `ped_free_speed` is to be matched, in which the candidates do not differ")
+            && alike.contains("--draw \"ped_free_speed=normal(MEAN, DEVIATION)\""),
+        "{alike}"
+    );
 }
 
 #[test]

@@ -6,6 +6,7 @@ use std::path::Path;
 use super::block::{Layer, missing, reject_repeats};
 use super::criterion;
 use super::literal;
+use super::matched_parameters::matched_parameters;
 use super::pedestrian::individuals_of;
 use super::places::Places;
 use super::subject::{StatementSubject, Subjects};
@@ -96,6 +97,13 @@ pub fn calibrate(
     let candidates = candidates_of(candidates, &scenarios, places, report);
     let compared = block.compare().map(|said| compared(said, places)).unwrap_or_default();
     let able = scenarios.iter().all(|(span, subject)| one_is_weighed(*span, subject, report));
+    let parameters = if able {
+        let (_, first) = &scenarios[0];
+        let person = weighed(&first.scenario.pedestrians)[0];
+        matched_parameters(block, first, person, scope, report)
+    } else {
+        None
+    };
     if let Some(count) = [Some(matched.rate()), block.spread().map(ast::MatchedSpread::rate)]
         .into_iter()
         .flatten()
@@ -113,7 +121,8 @@ pub fn calibrate(
         return None;
     }
     let (condition, observations, candidates) = (condition?, observations?, candidates?);
-    let targets = observations.rows.len() * (1 + usize::from(block.spread().is_some()));
+    let targets =
+        observations.rows.len() * (1 + usize::from(block.spread().is_some())) + block.parameters().count();
     if let CandidateSource::LatinHypercube(count) = candidates
         && (count as usize) < targets
     {
@@ -152,6 +161,7 @@ pub fn calibrate(
         spread: block.spread().is_some(),
         within: within?,
         spread_within: spread_within?,
+        parameters: parameters?,
         folds: folds?,
         runs: runs?,
         compared,

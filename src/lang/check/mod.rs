@@ -21,6 +21,7 @@ mod group;
 mod junction;
 mod keep;
 mod literal;
+mod matched_parameters;
 mod metric;
 mod model;
 mod over;

@@ -103,9 +103,19 @@ pub enum CandidateError {
         /// Its high end.
         high: f64,
     },
-    /// A range of a parameter that the candidates have already.
-    #[error("the candidates have values of `{0}`: leave out its range")]
+    /// A range or draw of a parameter that the candidates have already.
+    #[error("the candidates have values of `{0}`: leave out its range or draw")]
     Given(Text),
+    /// A distribution with values that the parameter may not have.
+    #[error(
+        "{draw}: {reason}; `truncated_normal(mean, standard deviation, low, high)` and `uniform(low, high)` say where they end"
+    )]
+    BadDraw {
+        /// In words.
+        draw: String,
+        /// What is wrong.
+        reason: String,
+    },
     /// More candidates than a grid has combinations, or than anybody waits for.
     #[error("{wanted} candidates are more than the {most} there can be")]
     TooMany {
@@ -259,7 +269,7 @@ impl Candidates {
 }
 
 /// The number with six significant digits, so that what a file says is what was judged.
-fn six_digits(x: f64) -> f64 {
+pub(super) fn six_digits(x: f64) -> f64 {
     format!("{x:.5e}").parse().unwrap_or(x)
 }
 

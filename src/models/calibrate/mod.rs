@@ -6,6 +6,7 @@
 
 mod candidates;
 mod criteria;
+mod drawn;
 mod journal;
 mod published;
 mod retention;
@@ -14,6 +15,7 @@ pub use candidates::{CandidateError, Candidates, Design, ParameterRange, publish
 pub use criteria::{
     CriteriaError, Demand, Drives, RetentionCriterion, RetentionVerdict, published_criteria, read_criteria,
 };
+pub use drawn::DrawnParameter;
 pub use journal::{CalibrationJournal, JournalError};
 pub use published::{PUBLISHED_SHARE, PublishedError, published_candidates};
 pub use retention::{CalibrateError, Calibration, Report, Request, calibrate};

@@ -33,6 +33,8 @@ struct KerbContact {
     axle: f64,
     /// How far (m) the edges of the carriageway are to the left of the middle of its lane: that on the right, negative, and the other.
     edges: (f64, f64),
+    /// Whether it swept clear of the edges at the end of the last step.
+    clear: bool,
     /// Whether there was a step.
     observed: bool,
     /// When it was first there, s.
@@ -44,7 +46,7 @@ impl KerbContact {
         let setup = &context.world.vehicles[context.vehicle];
         let axle = if setup.behind > 0.0 { setup.behind } else { REAR_AXLE * setup.length };
         let edges = context.world.path_of(setup).kerbs(context.world.road_of(setup));
-        Self { vehicle: context.vehicle, axle, edges, observed: false, first: None }
+        Self { vehicle: context.vehicle, axle, edges, clear: false, observed: false, first: None }
     }
 
     /// How far its wheels are from the nearest edge, m; negative where one is beyond it.
@@ -76,11 +78,14 @@ impl KerbContact {
     }
 
     /// The share of a step after which a wheel first comes to an edge.
-    fn comes_to_an_edge(&self, before: &VehicleState, after: &VehicleState) -> Option<f64> {
+    fn comes_to_an_edge(&mut self, before: &VehicleState, after: &VehicleState) -> Option<f64> {
         if after.keeps_straight() && before.keeps_straight() {
             return (self.margin(after) < 0.0).then_some(1.0);
         }
-        if self.sweeps_clear(before) && self.sweeps_clear(after) {
+        // Where a step ends the next one begins.
+        let was_clear = self.clear;
+        self.clear = self.sweeps_clear(after);
+        if self.clear && (was_clear || self.sweeps_clear(before)) {
             return None;
         }
         let mut at = |part: f64| self.margin(&before.between(after, part));
@@ -160,7 +165,14 @@ mod tests {
     }
 
     fn kerbs(left: f64) -> KerbContact {
-        KerbContact { vehicle: 0, axle: 1.3, edges: (-10.0, left), observed: false, first: None }
+        KerbContact {
+            vehicle: 0,
+            axle: 1.3,
+            edges: (-10.0, left),
+            clear: false,
+            observed: false,
+            first: None,
+        }
     }
 
     #[test]

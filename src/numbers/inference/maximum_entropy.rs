@@ -4,6 +4,9 @@
 //! g = (f − t) / s, where λ minimises ln mean exp(λ·g) + (strength / 2) |λ|²: the dual of the least relative entropy to equal weights
 //! plus (1 / 2 strength) Σ mismatch², a mismatch being Σ w g (Jaynes 1957; Dudík, Phillips and Schapire, JMLR 8, 2007, §4). The dual is
 //! strictly convex, so Newton's method with halved steps finds its one minimum, at which every mismatch is −strength · λ.
+//!
+//! Other means are bounded: they are to lie within so much of a value, and cost nothing there. Of those bounds some hold at the minimum,
+//! as equations at an edge, and the others change nothing (Karush, Kuhn and Tucker); which, is found one by one.
 
 /// What a weighted mean is to be.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -14,12 +17,22 @@ pub struct WeightTarget {
     pub error: f64,
 }
 
+/// Where a weighted mean has to lie.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WeightBound {
+    /// In the middle.
+    pub value: f64,
+    /// How far from it at most, above 0.
+    pub within: f64,
+}
+
 /// Weights, and how well they match.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EntropyWeights {
     /// One per candidate, not negative, of sum 1.
     pub weights: Vec<f64>,
-    /// By how many errors the weighted mean of each feature is above its target.
+    /// By how many errors the weighted mean of each feature is above its target; behind them, by how many of their widths bounded means
+    /// are above the middle.
     pub mismatches: Vec<f64>,
 }
 
@@ -53,39 +66,93 @@ const FREE: f64 = 1e-4;
 /// # Panics
 /// Without candidates or targets, for rows of another length, and for errors that are not positive.
 pub fn maximum_entropy(features: &[Vec<f64>], targets: &[WeightTarget]) -> EntropyWeights {
-    entropy_weights(features, targets, STRENGTH)
+    entropy_weights(features, targets, &[], STRENGTH)
 }
 
 /// As [`maximum_entropy`], with so many of their errors as the tolerance of the targets: a part of one matches better, and by weights
-/// that are less equal.
+/// that are less equal. Behind the features of targets a row has those whose means are bounded. Where no weights keep all bounds,
+/// mismatches beyond 1 say so.
 ///
 /// # Panics
-/// As [`maximum_entropy`], and for a number that is not positive.
+/// As [`maximum_entropy`], where bounds are targets too, and for a number that is not positive.
 pub fn maximum_entropy_within(
     errors: f64,
     features: &[Vec<f64>],
     targets: &[WeightTarget],
+    bounds: &[WeightBound],
 ) -> EntropyWeights {
     assert!(errors > 0.0, "a tolerance is positive");
-    entropy_weights(features, targets, STRENGTH * errors * errors)
+    entropy_weights(features, targets, bounds, STRENGTH * errors * errors)
 }
 
-/// The mixture that comes nearest to the targets, however few candidates it is of.
+/// The mixture that comes nearest to the targets, however few candidates it is of, and keeps the bounds as far as that can be.
 ///
 /// # Panics
-/// As [`maximum_entropy`].
-pub fn nearest_mixture(features: &[Vec<f64>], targets: &[WeightTarget]) -> EntropyWeights {
-    entropy_weights(features, targets, FREE)
+/// As [`maximum_entropy_within`].
+pub fn nearest_mixture(
+    features: &[Vec<f64>],
+    targets: &[WeightTarget],
+    bounds: &[WeightBound],
+) -> EntropyWeights {
+    entropy_weights(features, targets, bounds, FREE)
 }
 
-fn entropy_weights(features: &[Vec<f64>], targets: &[WeightTarget], strength: f64) -> EntropyWeights {
-    Standardised::new(features, targets).solve(strength)
+/// A bounded mean may be beyond its edge by this part of its width, which is rounding.
+const BEYOND: f64 = 1e-4;
+/// Of bounds that are held or let go; there are few, and each usually changes once.
+const MOST_CHANGES: usize = 200;
+
+fn entropy_weights(
+    features: &[Vec<f64>],
+    targets: &[WeightTarget],
+    bounds: &[WeightBound],
+    strength: f64,
+) -> EntropyWeights {
+    // On which edge a bounded mean is held, if on one: 1 or -1.
+    let mut edges: Vec<Option<f64>> = vec![None; bounds.len()];
+    let mut changes = 0;
+    loop {
+        let (mut found, dual) = Standardised::new(features, targets, bounds, &edges).solve(strength);
+        // What held them is behind the targets.
+        let mut held = dual[targets.len()..].iter();
+        let mut outwards = None;
+        for (index, edge) in edges.iter().enumerate() {
+            if let Some(side) = edge
+                && held.next().is_some_and(|pull| pull * side > 0.0)
+            {
+                outwards = Some(index);
+            }
+        }
+        let apart = |(index, bound): (usize, &WeightBound)| {
+            let column = targets.len() + index;
+            let mean: f64 =
+                features.iter().zip(&found.weights).map(|(row, weight)| weight * row[column]).sum();
+            (mean - bound.value) / bound.within
+        };
+        let apart: Vec<f64> = bounds.iter().enumerate().map(apart).collect();
+        let beyond = (0..bounds.len())
+            .filter(|index| edges[*index].is_none() && apart[*index].abs() > 1.0 + BEYOND)
+            .max_by(|one, other| apart[*one].abs().total_cmp(&apart[*other].abs()));
+        changes += 1;
+        match (outwards, beyond) {
+            (Some(index), _) if changes < MOST_CHANGES => edges[index] = None,
+            (None, Some(index)) if changes < MOST_CHANGES => edges[index] = Some(apart[index].signum()),
+            _ => {
+                found.mismatches.truncate(targets.len());
+                found.mismatches.extend(apart);
+                return found;
+            }
+        }
+    }
 }
 
-/// Features as errors from their targets, a candidate after the other.
+/// Features as errors from their targets, a candidate after the other, and behind them those that are held at an edge, in widths from it.
 struct Standardised {
     rows: Vec<f64>,
     count: usize,
+    /// How many of them are targets.
+    targets: usize,
+    candidates: usize,
 }
 
 /// A point of the dual with all that a step needs.
@@ -99,20 +166,43 @@ const MOST_STEPS: usize = 500;
 const CONVERGED: f64 = 1e-10;
 /// Of the dual's value.
 const ROUNDING: f64 = 1e-12;
+/// The strength of what is held at an edge: next to none, so that it is there to rounding, and that it stays finite where it cannot be.
+const EDGE: f64 = 1e-6;
 
 impl Standardised {
-    fn new(features: &[Vec<f64>], targets: &[WeightTarget]) -> Self {
+    fn new(
+        features: &[Vec<f64>],
+        targets: &[WeightTarget],
+        bounds: &[WeightBound],
+        edges: &[Option<f64>],
+    ) -> Self {
         assert!(
-            !features.is_empty() && !targets.is_empty(),
+            !features.is_empty() && targets.len() + bounds.len() > 0,
             "there is somebody to weigh, and something to match"
         );
         assert!(targets.iter().all(|target| target.error > 0.0), "errors are positive");
-        let mut rows = Vec::with_capacity(features.len() * targets.len());
+        assert!(bounds.iter().all(|bound| bound.within > 0.0), "widths are positive");
+        let held: Vec<(usize, WeightBound, f64)> = (targets.len()..)
+            .zip(bounds.iter().zip(edges))
+            .filter_map(|(column, (bound, edge))| Some((column, *bound, (*edge)?)))
+            .collect();
+        let count = targets.len() + held.len();
+        let mut rows = Vec::with_capacity(features.len() * count);
         for row in features {
-            assert_eq!(row.len(), targets.len(), "a feature for each target");
+            assert_eq!(row.len(), targets.len() + bounds.len(), "a feature for each target and bound");
             rows.extend(row.iter().zip(targets).map(|(value, target)| (value - target.value) / target.error));
+            rows.extend(
+                held.iter().map(|(column, WeightBound { value, within }, side)| {
+                    (row[*column] - value) / within - side
+                }),
+            );
         }
-        Self { rows, count: targets.len() }
+        Self { rows, count, targets: targets.len(), candidates: features.len() }
+    }
+
+    /// What a column's multiplier costs.
+    fn strength(&self, column: usize, strength: f64) -> f64 {
+        if column < self.targets { strength } else { EDGE }
     }
 
     fn each(&self) -> std::slice::ChunksExact<'_, f64> {
@@ -125,7 +215,9 @@ impl Standardised {
         weights.iter_mut().for_each(|one| *one = libm::exp(*one - highest));
         let sum: f64 = weights.iter().sum();
         weights.iter_mut().for_each(|one| *one /= sum);
-        let value = highest + libm::log(sum / weights.len() as f64) + 0.5 * strength * dot(dual, dual);
+        let (matched, held) = dual.split_at(self.targets);
+        let cost = 0.5 * strength * dot(matched, matched) + 0.5 * EDGE * dot(held, held);
+        let value = highest + libm::log(sum / weights.len() as f64) + cost;
         Point { value, weights }
     }
 
@@ -139,7 +231,8 @@ impl Standardised {
 
     fn gradient(&self, point: &Point, dual: &[f64], strength: f64) -> Vec<f64> {
         let means = self.means(&point.weights);
-        means.iter().zip(dual).map(|(mean, at)| mean + strength * at).collect()
+        let columns = means.iter().zip(dual).enumerate();
+        columns.map(|(column, (mean, at))| mean + self.strength(column, strength) * at).collect()
     }
 
     fn curvature(&self, weights: &[f64], means: &[f64], strength: f64) -> Vec<Vec<f64>> {
@@ -152,11 +245,16 @@ impl Standardised {
                 }
             }
         }
-        curvature.iter_mut().enumerate().for_each(|(one, line)| line[one] += strength);
+        curvature.iter_mut().enumerate().for_each(|(one, line)| line[one] += self.strength(one, strength));
         curvature
     }
 
-    fn solve(&self, strength: f64) -> EntropyWeights {
+    /// The weights, and the multipliers that they come of.
+    fn solve(&self, strength: f64) -> (EntropyWeights, Vec<f64>) {
+        if self.count == 0 {
+            let weights = vec![1.0 / self.candidates as f64; self.candidates];
+            return (EntropyWeights { weights, mismatches: Vec::new() }, Vec::new());
+        }
         let mut dual = vec![0.0; self.count];
         let mut point = self.at(&dual, strength);
         for _ in 0..MOST_STEPS {
@@ -189,7 +287,7 @@ impl Standardised {
             (dual, point) = next;
         }
         let mismatches = self.means(&point.weights);
-        EntropyWeights { weights: point.weights, mismatches }
+        (EntropyWeights { weights: point.weights, mismatches }, dual)
     }
 }
 
@@ -315,7 +413,7 @@ mod tests {
         for seed in 0..3 {
             let (features, targets) = problem(seed, 25, 3);
             for strength in [0.3, 3.0] {
-                let found = entropy_weights(&features, &targets, strength);
+                let found = entropy_weights(&features, &targets, &[], strength);
                 let other = by_exponentiated_gradient(&features, &targets, strength);
                 let apart = found.weights.iter().zip(&other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
                 assert!(apart < 1e-6, "{apart} at {strength}, seed {seed}");
@@ -327,7 +425,7 @@ mod tests {
     fn two_candidates_are_weighed_as_a_fine_grid_of_weights_says() {
         let features = vec![vec![0.0], vec![1.0]];
         let targets = [WeightTarget { value: 0.8, error: 0.1 }];
-        let found = entropy_weights(&features, &targets, 0.5);
+        let found = entropy_weights(&features, &targets, &[], 0.5);
         let best = (1..100_000u32)
             .map(|step| f64::from(step) / 100_000.0)
             .min_by(|one, other| {
@@ -348,7 +446,7 @@ mod tests {
     #[test]
     fn what_no_mixture_reaches_has_a_nearest() {
         let features = vec![vec![0.0], vec![0.2], vec![0.4]];
-        let nearest = nearest_mixture(&features, &[WeightTarget { value: 0.9, error: 0.05 }]);
+        let nearest = nearest_mixture(&features, &[WeightTarget { value: 0.9, error: 0.05 }], &[]);
         assert!((nearest.mismatches[0] + 10.0).abs() < 0.01, "{nearest:?}");
         assert!(nearest.weights[2] > 0.99);
         assert!(nearest.effective_size() < 1.05);
@@ -370,14 +468,113 @@ mod tests {
         assert!((exact.weights.iter().sum::<f64>() - 1.0).abs() < 1e-12);
     }
 
+    /// The means of bounded features, behind so many targets.
+    fn bounded_means(features: &[Vec<f64>], weights: &[f64], targets: usize) -> Vec<f64> {
+        let mean = |column| features.iter().zip(weights).map(|(row, weight)| weight * row[column]).sum();
+        (targets..features[0].len()).map(mean).collect()
+    }
+
+    #[test]
+    fn bounded_means_lie_within_and_nothing_else_is_paid_for_it() {
+        let mut held = [0; 3];
+        for seed in 0..200 {
+            let (mut features, all) = problem(seed, 60, 5);
+            let bounds: Vec<WeightBound> =
+                all[3..].iter().map(|one| WeightBound { value: one.value, within: one.error }).collect();
+            let targets = &all[..3];
+            let strength = 0.7;
+            let found = entropy_weights(&features, targets, &bounds, strength);
+            let means = bounded_means(&features, &found.weights, 3);
+            let mut on_edge = 0;
+            for (mean, bound) in means.iter().zip(&bounds) {
+                let apart = (mean - bound.value).abs() / bound.within;
+                assert!(apart <= 1.0 + 1e-3, "{apart} widths with seed {seed}");
+                on_edge += usize::from(apart > 0.999);
+            }
+            held[on_edge] += 1;
+            // Of all weights that keep the bounds none are better: from pairs of candidates to pairs, along what changes no bounded mean.
+            let part = |rows: &[Vec<f64>]| rows.iter().map(|row| row[..3].to_vec()).collect::<Vec<_>>();
+            let soft = part(&features);
+            let best = primal(&soft, targets, &found.weights, strength);
+            let mut stream = Stream::seeded(seed);
+            for _ in 0..50 {
+                let four: Vec<usize> = (0..4).map(|_| stream.index(60)).collect();
+                let to = kept(&features, &four);
+                let size: f64 = to.iter().map(|one| one.abs()).fold(0.0, f64::max);
+                let least = four.iter().map(|one| found.weights[*one]).fold(1.0, f64::min);
+                for by in [1e-2, -1e-2] {
+                    let mut other = found.weights.clone();
+                    for (at, step) in four.iter().zip(&to) {
+                        other[*at] += by * least * step / size.max(1e-9);
+                    }
+                    if other.iter().all(|one| *one >= 0.0) {
+                        assert!(primal(&soft, targets, &other, strength) >= best - 1e-9, "seed {seed}");
+                    }
+                }
+            }
+            // Bounds that are nowhere near change nothing, to the last bit.
+            let wide: Vec<_> = bounds.iter().map(|one| WeightBound { within: 10.0, ..*one }).collect();
+            let free = entropy_weights(&features, targets, &wide, strength);
+            features.iter_mut().for_each(|row| row.truncate(3));
+            assert_eq!(free.weights, entropy_weights(&features, targets, &[], strength).weights);
+        }
+        assert!(held.iter().all(|one| *one >= 5), "bounds that hold and that do not: {held:?}");
+    }
+
+    /// Changes of the weights of four candidates that keep their sum and both bounded means: a null vector of three equations.
+    fn kept(features: &[Vec<f64>], four: &[usize]) -> Vec<f64> {
+        let rows: [Vec<f64>; 3] = [
+            vec![1.0; 4],
+            four.iter().map(|one| features[*one][3]).collect(),
+            four.iter().map(|one| features[*one][4]).collect(),
+        ];
+        let minor = |left: usize| {
+            let kept: Vec<usize> = (0..4).filter(|one| *one != left).collect();
+            let [a, b, c] =
+                [&rows[0], &rows[1], &rows[2]].map(|row| [row[kept[0]], row[kept[1]], row[kept[2]]]);
+            let cross = [b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]];
+            dot(&a, &cross) * if left.is_multiple_of(2) { 1.0 } else { -1.0 }
+        };
+        (0..4).map(minor).collect()
+    }
+
+    #[test]
+    fn a_bounded_problem_is_solved_as_one_with_the_edge_for_a_target() {
+        // 0 and 1 and 2, whose mean is to be at most 0.6: the weights of maximum entropy are geometric in it.
+        let features = vec![vec![0.0], vec![1.0], vec![2.0]];
+        let found = maximum_entropy_within(1.0, &features, &[], &[WeightBound { value: 0.5, within: 0.1 }]);
+        let ratio = |weights: &[f64]| (weights[1] / weights[0], weights[2] / weights[1]);
+        let (one, other) = ratio(&found.weights);
+        assert!((one - other).abs() < 1e-9 && (found.mismatches[0] - 1.0).abs() < 1e-4, "{found:?}");
+        // By hand: x + 2x² = 0.6 (1 + x + x²).
+        assert!((1.4 * one * one + 0.4 * one - 0.6).abs() < 1e-4, "{one}");
+        let inside = maximum_entropy_within(1.0, &features, &[], &[WeightBound { value: 0.95, within: 0.1 }]);
+        assert_eq!(inside.weights, [1.0 / 3.0; 3]);
+    }
+
+    #[test]
+    fn bounds_that_nobody_keeps_are_told_by_mismatches() {
+        let features = vec![vec![0.0, 0.1], vec![0.2, 0.4], vec![0.4, 0.2]];
+        let (target, bound) =
+            (WeightTarget { value: 0.3, error: 0.05 }, WeightBound { value: 0.9, within: 0.1 });
+        let found = maximum_entropy_within(1.0, &features, &[target], &[bound]);
+        assert!((found.mismatches[1] + 5.0).abs() < 0.01, "{found:?}");
+        assert!(found.weights[1] > 0.99 && found.weights.iter().all(|one| one.is_finite()));
+        // Two that exclude each other.
+        let both = vec![vec![0.0, 1.0], vec![1.0, 0.0]];
+        let bounds = [WeightBound { value: 0.9, within: 0.01 }; 2];
+        let found = nearest_mixture(&both, &[], &bounds);
+        assert!(found.mismatches.iter().any(|one| one.abs() > 2.0), "{found:?}");
+    }
+
     /// Rounding of the dual's value once ended the search at 1e-8 of the minimum in one of some hundred problems.
     #[test]
     fn the_minimum_is_found_to_rounding() {
         for seed in 0..1000 {
             let (features, targets) = problem(seed, 40, 4);
-            let found = entropy_weights(&features, &targets, 1.0);
+            let found = entropy_weights(&features, &targets, &[], 1.0);
             // At the minimum weights are the exponentials of what the mismatches say.
-            let rows = Standardised::new(&features, &targets);
+            let rows = Standardised::new(&features, &targets, &[], &[]);
             let dual: Vec<f64> = found.mismatches.iter().map(|one| -one).collect();
             let said = rows.at(&dual, 1.0).weights;
             let apart = found.weights.iter().zip(&said).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
@@ -391,13 +588,13 @@ mod tests {
         #[test]
         fn the_order_of_candidates_and_of_targets_changes_nothing(seed in 0u64..1000, turn in 1usize..40) {
             let (features, targets) = problem(seed, 40, 4);
-            let found = entropy_weights(&features, &targets, 1.0);
+            let found = entropy_weights(&features, &targets, &[], 1.0);
             let mut turned: Vec<Vec<f64>> = features.clone();
             turned.rotate_left(turn);
             turned.iter_mut().for_each(|row| row.reverse());
             let mut backwards = targets.clone();
             backwards.reverse();
-            let mut other = entropy_weights(&turned, &backwards, 1.0).weights;
+            let mut other = entropy_weights(&turned, &backwards, &[], 1.0).weights;
             other.rotate_right(turn);
             for (one, other) in found.weights.iter().zip(&other) {
                 prop_assert!((one - other).abs() < 1e-9);
@@ -407,7 +604,7 @@ mod tests {
         #[test]
         fn mismatches_are_those_of_the_minimum(seed in 0u64..1000, strength in 0.01f64..100.0) {
             let (features, targets) = problem(seed, 60, 4);
-            let found = entropy_weights(&features, &targets, strength);
+            let found = entropy_weights(&features, &targets, &[], strength);
             let of = |weights: &[f64]| primal(&features, &targets, weights, strength);
             let best = of(&found.weights);
             // Nobody near is better.

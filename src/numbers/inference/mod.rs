@@ -18,7 +18,8 @@ pub use bounded_mean::{IndependentUnit, MeanWatch, mean_of_bounded, runs_for_mea
 pub use comparison::{McNemar, holm, mcnemar};
 pub use max_t::{PairDifferences, max_t};
 pub use maximum_entropy::{
-    EntropyWeights, WeightTarget, effective_size, maximum_entropy, maximum_entropy_within, nearest_mixture,
+    EntropyWeights, WeightBound, WeightTarget, effective_size, maximum_entropy, maximum_entropy_within,
+    nearest_mixture,
 };
 pub use mean::{mean_interval, paired_difference};
 pub use paired_means::MeanChange;

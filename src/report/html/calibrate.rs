@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::figure::HtmlFigure;
-use crate::calibration::{draw_calibration, headings, rows};
+use crate::calibration::{draw_calibration, headings, parameter_headings, parameter_rows, rows};
 use results::CalibrateResult;
 
 #[derive(Debug, Serialize)]
@@ -25,10 +25,14 @@ impl CalibrateSection {
         let table =
             |what: &str, shares: bool| Table { headings: headings(result, what), rows: rows(result, shares) };
         let note = "Each point is a condition: the share of trials of people, and of runs of populations.";
+        let mut tables = vec![table("share", true), table("spread between individuals", false)];
+        if !result.matched_parameters.is_empty() {
+            tables.push(Table { headings: parameter_headings(result), rows: parameter_rows(result) });
+        }
         Self {
             sentences: sentences(result),
             warnings: result.warnings.clone(),
-            tables: vec![table("share", true), table("spread between individuals", false)],
+            tables,
             figures: vec![HtmlFigure::new(result.matched.clone(), note, vec![draw_calibration(result)])],
         }
     }

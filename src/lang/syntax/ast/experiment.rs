@@ -126,6 +126,7 @@ views! {
         scenarios: (CalibrateIn),
         matched: (Matched),
         spread: (MatchedSpread),
+        parameters: [MatchedParameter],
         method: (CalibrateMethod),
         folds: (Folds),
         repeat: (Repeat),
@@ -144,6 +145,8 @@ views! {
     Matched = matched { rate: Rate, path: Text, undefined: (Undefined) }
     /// `match spread between individuals of rate(gap_accepted) within 80 % of error`
     MatchedSpread = matched_spread { rate: Rate, within: (Expression) }
+    /// `match mean of walker.model.ped_free_speed to 1.34 m/s within 0.03 m/s`, or its deviation
+    MatchedParameter = matched_mean | matched_deviation { is_mean: {kw_mean}, target: Target, bounds: [Expression] }
     /// `method maximum_entropy within 50 % of error`
     CalibrateMethod = calibrate_method { within: (Expression) }
     /// `folds 5`
@@ -446,6 +449,22 @@ pub static CALIBRATE_BLOCK: BlockEntry = BlockEntry {
         )
         .key("match", YamlShape::Words)
         .needed("observations", "match rate(gap_accepted) to \"people.csv\""),
+        statement(
+            "match mean",
+            Rule::matched_mean,
+            "match mean of walker.model.ped_free_speed to 1.34 m/s within 0.03 m/s`, `match mean of walker.model.beta_V to 20 within 2",
+            "What is known besides of how a parameter is distributed: its mean among the weighted candidates lies within so much of that.",
+        )
+        .key("match_mean", YamlShape::Words)
+        .repeats(),
+        statement(
+            "match deviation",
+            Rule::matched_deviation,
+            "match deviation of walker.model.ped_free_speed to 0.26 m/s within 0.03 m/s",
+            "The same of its standard deviation, about the mean that is matched.",
+        )
+        .key("match_deviation", YamlShape::Words)
+        .repeats(),
         statement(
             "method",
             Rule::calibrate_method,

@@ -61,6 +61,12 @@ pub fn file_name(population: &str) -> String {
     name.map_or_else(|| population.to_string(), |name| name.to_string_lossy().into_owned())
 }
 
+/// What the pedestrian of a scenario who the candidates are has for a parameter of which people do not say anything.
+pub fn unsaid(scenario: &Scenario, parameter: &str) -> Option<f64> {
+    let (_, model, said) = person_of(scenario).ok()?;
+    model.declaration.fill_in(&said).ok()?.get(parameter)?.as_number()
+}
+
 impl WeighedCandidates {
     /// A population for the pedestrian of `scenario` that the candidates are, with the variant of its model.
     pub fn population(
@@ -115,7 +121,8 @@ impl WeighedCandidates {
             );
             return Err(failed(reason, &format!("leave `{name}` out of the model's settings")));
         }
-        let targets = block.observations.rows.len() * (1 + usize::from(block.spread));
+        let targets =
+            block.observations.rows.len() * (1 + usize::from(block.spread)) + block.parameters.len();
         if found.rows.len() < targets {
             let reason = format!("{} candidates are fewer than the {targets} targets", found.rows.len());
             return Err(failed(reason, "take some hundreds for each target"));
@@ -163,6 +170,12 @@ impl WeighedCandidates {
             settings.set(name.clone(), Value::Number(*value));
         }
         settings
+    }
+
+    /// What each has for a parameter; `None` where they do not say.
+    pub fn values(&self, parameter: &str) -> Option<Vec<f64>> {
+        let column = self.names.iter().position(|name| name == parameter)?;
+        Some(self.rows.iter().map(|row| row[column]).collect())
     }
 
     /// Where each stands among the others: logarithms of parameters that are positive for everybody, and the others as they are. Their order

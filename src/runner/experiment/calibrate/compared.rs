@@ -1,12 +1,13 @@
 //! Populations that are put into the conditions of a calibration, to be shown beside people and candidates.
 
 use super::super::error::ExperimentError;
-use super::candidates::WeighedCandidates;
+use super::candidates::{WeighedCandidates, unsaid};
 use super::record::HeldRecord;
 use super::trial::CandidateTrial;
 use super::weigh::{Features, mean};
 use numbers::inference::effective_size;
 use results::ComparedPopulation;
+use scenario::MatchedParameter;
 
 /// Runs of all individuals of equal weight together, in a condition: a share is known to about a point.
 const RUNS_OF_ALL: f64 = 4000.0;
@@ -52,6 +53,17 @@ impl ComparedPeople {
     pub fn len(&self) -> usize {
         self.weights.len()
     }
+
+    /// What a statistic of a parameter is among them; `None` where nobody says it.
+    fn statistic(&self, matched: &MatchedParameter, trial: &CandidateTrial) -> Option<f64> {
+        let same = || {
+            let value = unsaid(&trial.conditions[0].scenario, &matched.parameter)?;
+            Some(vec![value; self.len()])
+        };
+        let values = self.people.values(&matched.parameter).or_else(same)?;
+        let feature = |(value, weight): (&f64, &f64)| weight * matched.statistic.feature(*value);
+        Some(matched.statistic.of_mean(values.iter().zip(&self.weights).map(feature).sum()))
+    }
 }
 
 /// What each does in the conditions of the trial; `progress` is told how many of all are done.
@@ -83,6 +95,7 @@ pub fn compare(
             shares: (0..trial.conditions.len())
                 .map(|condition| (of(&features.shares, condition), of(&features.spreads, condition)))
                 .collect(),
+            parameters: trial.block.parameters.iter().map(|one| other.statistic(one, trial)).collect(),
         });
     }
     Ok(found)

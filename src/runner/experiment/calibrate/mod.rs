@@ -5,6 +5,7 @@
 mod candidates;
 mod compared;
 mod observed;
+mod parameters;
 mod record;
 mod trial;
 mod weigh;
@@ -17,6 +18,7 @@ use compared::{ComparedPeople, compare};
 use numbers::inference::effective_size;
 use numbers::random::derive_seed;
 use observed::Observed;
+use parameters::BoundedParameters;
 use record::HeldRecord;
 use results::{CalibrateResult, CalibratedCondition, CalibratedShare, Requests};
 use scenario::{Calibrate, ObservedRow};
@@ -43,6 +45,7 @@ pub fn run_calibrate(
     let seed = derive_seed(context.suite.seed, &format!("calibrate/{}", block.name));
     let conditions = conditions(context, block)?;
     let candidates = WeighedCandidates::of(block, context.scenario(&block.scenarios[0])?, seed)?;
+    let parameters = BoundedParameters::of(block, &candidates)?;
     // What decides what candidates do; how they are weighed can be said otherwise, and the same runs go on being known.
     let asked = (&block.condition, block.runs, &block.compared, seed);
     let people = (&candidates.names, &candidates.rows, &candidates.variant);
@@ -77,6 +80,7 @@ pub fn run_calibrate(
         features: &features,
         observed: &observed,
         rows: &rows,
+        parameters: &parameters,
         spread: block.spread,
         within: block.within,
         spread_within: block.spread_within.unwrap_or(block.within),
@@ -91,6 +95,10 @@ pub fn run_calibrate(
         ));
     }
     let weights = rounded(&weighing.weights().weights);
+    if parameters.missed(&weights).next().is_some() {
+        let reason = "no weights were found by which parameters are distributed as is matched".to_string();
+        return Err(failed(reason, Some("take more candidates, or a wider `within`")));
+    }
 
     // Those of no weight are not asked again.
     let mut heaviest = everybody.clone();
@@ -165,6 +173,7 @@ pub fn run_calibrate(
         left_out_rms: error(&|share| share.left_out),
         fresh_rms: error(&|share| Some(share.fresh)).unwrap_or(0.0),
         conditions: found,
+        matched_parameters: parameters.found(block, &weights),
         runs: block.runs,
         seed: context.suite.seed,
         vehicle_speeds: vehicle_speeds(&conditions),

@@ -2,6 +2,7 @@
 
 use super::candidates::WeighedCandidates;
 use super::observed::Observed;
+use super::parameters::BoundedParameters;
 use super::record::HeldRuns;
 use numbers::inference::{
     CandidateShares, EntropyWeights, HeldCounts, WeightTarget, maximum_entropy_within, nearest_mixture,
@@ -70,6 +71,8 @@ pub struct Weighing<'a> {
     pub observed: &'a [Observed],
     pub rows: &'a [&'a ObservedRow],
     pub spread: bool,
+    /// What is known of their distribution, whatever conditions are left out.
+    pub parameters: &'a BoundedParameters,
     /// How many errors of targets are their tolerance.
     pub within: f64,
     /// The same of spreads.
@@ -95,7 +98,14 @@ impl Weighing<'_> {
                 spread.error *= self.spread_within / self.within;
             }
         }
-        maximum_entropy_within(self.within, &self.features.of(conditions, self.spread), &targets)
+        maximum_entropy_within(self.within, &self.features_of(conditions), &targets, &self.parameters.bounds)
+    }
+
+    /// One for each target of these conditions, and behind them what is bounded.
+    fn features_of(&self, conditions: &[usize]) -> Vec<Vec<f64>> {
+        let mut rows = self.features.of(conditions, self.spread);
+        rows.iter_mut().zip(&self.parameters.rows).for_each(|(row, bounded)| row.extend(bounded));
+        rows
     }
 
     pub fn weights(&self) -> EntropyWeights {
@@ -105,13 +115,11 @@ impl Weighing<'_> {
     /// In words, every target that no mixture reaches, with what comes nearest.
     pub fn out_of_reach(&self) -> Vec<String> {
         let all = self.all();
-        let (features, targets) =
-            (self.features.of(&all, self.spread), targets(self.observed, &all, self.spread));
-        let nearest = nearest_mixture(&features, &targets);
+        let targets = targets(self.observed, &all, self.spread);
+        let nearest = nearest_mixture(&self.features_of(&all), &targets, &self.parameters.bounds);
         let mut found = Vec::new();
-        for (index, mismatch) in nearest.mismatches.iter().enumerate() {
+        for (index, (mismatch, target)) in nearest.mismatches.iter().zip(&targets).enumerate() {
             if mismatch.abs() > OUT_OF_REACH {
-                let target = targets[index];
                 let what = if index < all.len() { "the share" } else { "the spread between individuals" };
                 found.push(format!(
                     "{what} of {} is {} ± {}, and the nearest mixture has {}",
