@@ -416,7 +416,9 @@ codes! {
          there are depends on where and when the system drives: nobody else knows it, there is no default, and a number without its source \
          cannot be checked by anybody. A range says how uncertain it is. docs/chance.md has an example.";
     NothingDeclared = "E0832", "nothing says how usual an encounter is",
-        "`keep plausibility >= 5 %` keeps encounters that are no rarer than 1 in 20, as the scenario draws them. So the scenario says how all          that the search chooses of them is distributed: by `draw x from DISTRIBUTION`, and of people by a population. What a variation          lists has no distribution. docs/chance.md says what a plausibility means.";
+        "`keep plausibility >= 5 %` keeps encounters that are no rarer than 1 in 20, as the scenario draws them. So the scenario says how all \
+         that the search chooses of them is distributed: by `draw x from DISTRIBUTION`, and of people by a population. What a variation \
+         lists has no distribution. docs/chance.md says what a plausibility means.";
     // Filter expressions
     UnknownPredicate = "E1001", "a filter has no such predicate",
         "`scenario-runner help filter` lists the predicates of filter expressions.";

@@ -229,25 +229,25 @@ mod tests {
         }
     }
 
-    #[test]
-    fn what_is_free_is_not_looked_at_again() {
+    /// A car on an arc, and somebody who stands so far to the left of its middle, m.
+    fn car_before_somebody(beside: f64) -> (VehicleState, PedestrianState) {
         let line = ReferenceLine::new(Pose::origin(), &[Piece::arc(40.0, 2.0)]).unwrap();
         let path = Path::curved(CurvedPath::new(Arc::new(line), 0.0, Direction::Forward, 0.0).unwrap());
-        let mut car = VehicleState {
-            motion: Longitudinal { travelled: 0.0, speed: 5.0, acceleration: 0.0 },
-            path: path.clone(),
-            length: 4.4,
-            width: 1.8,
-            steered: None,
-        };
         let person = PedestrianState {
-            position: path.to_world(Vector2::new(30.0, 3.0)),
+            position: path.to_world(Vector2::new(30.0, beside)),
             velocity: Vector2::zeros(),
             acceleration: Vector2::zeros(),
             heading: Vector2::y(),
             shape: Shape::Disc { radius: 0.25 },
             present: true,
         };
+        let motion = Longitudinal { travelled: 0.0, speed: 5.0, acceleration: 0.0 };
+        (VehicleState { motion, path, length: 4.4, width: 1.8, steered: None }, person)
+    }
+
+    #[test]
+    fn what_is_free_is_not_looked_at_again() {
+        let (mut car, person) = car_before_somebody(3.0);
         let (mut ahead, mut looks) = (ContactAhead::new(true), Vec::new());
         for step in 0..100 {
             assert_eq!(ahead.look(f64::from(step) * 0.025, &car, &person), None);
@@ -256,5 +256,24 @@ mod tests {
         }
         looks.dedup();
         assert_eq!(looks.len(), 1, "looked at again at {looks:?} s");
+    }
+
+    #[test]
+    fn of_who_is_hit_only_the_last_moments_are_looked_at_again() {
+        let (mut car, person) = car_before_somebody(0.4);
+        let (mut ahead, mut looks, mut left_out) = (ContactAhead::new(true), Vec::new(), 0);
+        for step in 0..200 {
+            let time = f64::from(step) * 0.025;
+            let motion = Motion::of(&car, &person);
+            let free = ahead.clear.map_or(0.0, |clear| clear.free(time, &motion, &ahead.stretches));
+            let found = ahead.look(time, &car, &person).expect("it comes straight at them");
+            assert_eq!(Some(found), contact_with(&car, &person), "at {time} s");
+            assert!(free <= found, "free for {free} s before a contact in {found} s");
+            left_out += u32::from(free > found - 0.05);
+            looks.extend(ahead.clear.as_ref().map(|clear| clear.at));
+            car.motion.travelled += 5.0 * 0.025;
+        }
+        looks.dedup();
+        assert!(left_out > 190 && looks.len() < 5, "{left_out} begun at the end, looked at {looks:?} s");
     }
 }

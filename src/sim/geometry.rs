@@ -143,23 +143,15 @@ impl Footprint {
             (Shape::Disc { radius }, Shape::Disc { radius: others }) => offset.norm() - radius - others,
             (Shape::Disc { .. }, Shape::Rectangle { .. }) => other.separation(self),
             (Shape::Rectangle { length, width }, Shape::Disc { radius }) => {
-                let own = self.own_frame(offset);
-                let beyond = Vector2::new(own.x.abs() - length / 2.0, own.y.abs() - width / 2.0);
-                let outside = beyond.sup(&Vector2::zeros()).norm();
-                (if outside > 0.0 { outside } else { beyond.max() }) - radius
+                let (own, half) = (self.own_frame(offset), Vector2::new(length, width) / 2.0);
+                let outside = distance_to_box(own, half);
+                (if outside > 0.0 { outside } else { (own.abs() - half).max() }) - radius
             }
-            (Shape::Rectangle { length, width }, Shape::Rectangle { length: others, width: other_width }) => {
-                // Along the sides of either: what both turn by from each other tells how far the other one reaches.
-                let turned = self.own_frame(other.heading);
-                let (along, across) = (turned.x.abs(), turned.y.abs());
-                let beyond = |offset: Vector2<f64>, own: (f64, f64), others: (f64, f64)| {
-                    let long = offset.x.abs() - (own.0 + others.0 * along + others.1 * across) / 2.0;
-                    let wide = offset.y.abs() - (own.1 + others.0 * across + others.1 * along) / 2.0;
-                    long.max(wide)
-                };
-                let (own, other_size) = ((length, width), (others, other_width));
-                let of_own = beyond(self.own_frame(offset), own, other_size);
-                of_own.max(beyond(other.own_frame(offset), other_size, own))
+            (Shape::Rectangle { .. }, Shape::Rectangle { .. }) => {
+                let beyond =
+                    |axis: Vector2<f64>| offset.dot(&axis).abs() - self.reach(axis) - other.reach(axis);
+                let axes = [self.heading, self.across(), other.heading, other.across()];
+                axes.into_iter().map(beyond).fold(f64::NEG_INFINITY, f64::max)
             }
         }
     }
@@ -386,6 +378,23 @@ mod tests {
     }
 
     proptest! {
+        /// Held against the distance, which is worked out from corners.
+        #[test]
+        fn sides_tell_whether_outlines_touch_and_no_more_than_how_far_they_are_apart(
+            x in -4.0..4.0, y in -4.0..4.0, turn in 0.0..6.3, own in 0.0..6.3, kinds in (0_u8..2, 0_u8..2),
+        ) {
+            let shape = |kind| if kind == 0 { DISC } else { Shape::Rectangle { length: 3.0, width: 1.2 } };
+            let one = Footprint::from(&person(0.0, 0.0, own, shape(kinds.0)));
+            let other = Footprint::from(&person(x, y, turn, shape(kinds.1)));
+            let (told, apart) = (one.separation(&other), apart(&one, &other));
+            prop_assert_eq!(told <= 0.0, apart == 0.0, "{} told, {} apart", told, apart);
+            prop_assert!(told <= apart + 1e-12, "{told} told, {apart} apart");
+            // It is exact for discs, and elsewhere never less than by the diagonal of a corner.
+            prop_assert!(apart == 0.0 || told >= apart / std::f64::consts::SQRT_2 - 1e-12);
+            prop_assert!(kinds == (1, 1) || apart == 0.0 || (told - apart).abs() < 1e-12);
+            prop_assert!((other.separation(&one) - told).abs() < 1e-12);
+        }
+
         #[test]
         fn contacts_are_the_same_from_either_side_and_however_the_world_is_turned(
             x in -8.0..8.0, y in -8.0..8.0, turn in 0.0..6.3, own in 0.0..6.3, all in 0.0..6.3,

@@ -7,14 +7,14 @@ use super::space::{MeasuredQuantity, SpaceDimension, point_text, sign};
 use super::usual::UsualSection;
 use crate::chart::{
     self, Along, Convergence, Convergences, CourseLine, Dot, First, IndividualsChart, LegendEntry, Look,
-    PointMark, Rule, Slice, Strip, Strips, Tried, first_legend, with_room,
+    PointMark, Slice, Strip, Strips, Tried, first_legend, with_room,
 };
 use crate::usual::tail_text;
-use crate::wording::{comparison_rule, keep_text};
+use crate::wording::keep_text;
 use numbers::summary::mean;
 use optimise::{Coordinate, OptimisationEnd};
 use results::{Found, SearchResult, SuiteReport};
-use scenario::{Aggregate, Search};
+use scenario::Search;
 
 /// Charts of surrogates that are seen at once, and all that are drawn.
 const OPEN_SLICES: usize = 6;
@@ -210,22 +210,6 @@ impl Hunt<'_> {
         figures
     }
 
-    fn rules(&self) -> Vec<Rule> {
-        let objective = &self.search.objective;
-        // A share of runs lies on another axis than what is compared in each.
-        if matches!(objective.aggregate, Aggregate::Rate(_) | Aggregate::Count(_)) {
-            return Vec::new();
-        }
-        let about =
-            self.search.kept_metrics().filter(|(keep, _)| keep.metric == *objective.aggregate.metric());
-        let rule = |(keep, written_in)| {
-            let Rule { value, label } = comparison_rule(keep, written_in);
-            // What is written in a unit is in it already.
-            Rule { value: if written_in.is_some() { value } else { self.objective.charted(value) }, label }
-        };
-        about.map(rule).collect()
-    }
-
     /// Each individual's worst value against where it was found: figure (d) of the founding paper.
     fn places(&self) -> Option<HtmlFigure> {
         if self.found.len() < 2 {
@@ -277,7 +261,7 @@ impl Hunt<'_> {
             y: self.objective.quantity(),
             points: self.found.iter().filter_map(point).collect(),
             courses: self.found.iter().filter_map(course).collect(),
-            rules: self.rules(),
+            rules: self.objective.kept(self.search),
             ranges: None,
             logarithmic: matches!(dimension.along, Along::Logarithmic { .. }),
         };
@@ -309,7 +293,7 @@ impl Hunt<'_> {
             x: String::new(),
             y: self.objective.quantity(),
             strips: words.iter().enumerate().map(strip).collect(),
-            rules: self.rules(),
+            rules: self.objective.kept(self.search),
             range: None,
         }
     }
@@ -388,7 +372,7 @@ impl Hunt<'_> {
                 y: self.objective.quantity(),
                 beliefs: dimension.beliefs(slice, &self.objective),
                 tried: self.tried(found, Some(index)),
-                rules: self.rules(),
+                rules: self.objective.kept(self.search),
                 range: None,
             }
         };

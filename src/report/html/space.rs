@@ -1,9 +1,13 @@
 //! What an optimiser varies and what it looks at, as tables and charts show them.
 
-use crate::chart::{Along, AxisQuantity, Belief};
+use crate::chart::{Along, AxisQuantity, Belief, Rule};
 use crate::format::in_written_unit;
+use crate::wording::comparison_rule;
 use optimise::{self, SlicePoint};
-use scenario::{Goal, MetricReference, Notation, Objective, RangeValues, SearchRange, Target, significant};
+use scenario::{
+    Aggregate, Goal, MetricReference, Notation, Objective, RangeValues, Search, SearchRange, Target,
+    significant,
+};
 
 /// An objective or a metric with its unit. Shares are shown in per cent.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,6 +56,22 @@ impl MeasuredQuantity {
             None if self.unit == "%" => value * 100.0,
             None => value,
         }
+    }
+
+    /// The bounds of what a search keeps of its objective, as lines among [`Self::charted`] values of that.
+    pub fn kept(&self, search: &Search) -> Vec<Rule> {
+        let aggregate = &search.objective.aggregate;
+        // A share of runs lies on another axis than what is compared in each.
+        if matches!(aggregate, Aggregate::Rate(_) | Aggregate::Count(_)) {
+            return Vec::new();
+        }
+        let about = search.kept_metrics().filter(|(keep, _)| keep.metric == *aggregate.metric());
+        let rule = |(keep, written_in)| {
+            let Rule { value, label } = comparison_rule(keep, written_in);
+            // What is written in a unit is in it already.
+            Rule { value: if written_in.is_some() { value } else { self.charted(value) }, label }
+        };
+        about.map(rule).collect()
     }
 
     /// With its unit; `–` where there is none.

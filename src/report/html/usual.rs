@@ -4,11 +4,10 @@ use serde::Serialize;
 
 use super::figure::HtmlFigure;
 use super::space::{MeasuredQuantity, SpaceDimension};
-use crate::chart::{Danger, OnFront, PointMark, Rule};
+use crate::chart::{Danger, OnFront, PointMark};
 use crate::usual::{basis, one_in, parts, tail_text, who};
-use crate::wording::comparison_rule;
 use results::{SearchResult, SuiteReport, UsualEncounters};
-use scenario::{Aggregate, Keep, Relation, Search};
+use scenario::{Keep, Relation, Search};
 
 #[derive(Debug, Serialize)]
 pub struct UsualSection {
@@ -102,16 +101,6 @@ fn chart(
         title: format!("{}: {}", one_in(one.plausibility), objective.text(Some(one.value))),
         target: target.clone(),
     });
-    // A share of runs lies on another axis than what is compared in each.
-    let is_of_runs = matches!(search.objective.aggregate, Aggregate::Rate(_) | Aggregate::Count(_));
-    let kept = search
-        .kept_metrics()
-        .filter(|(keep, _)| !is_of_runs && keep.metric == *search.objective.aggregate.metric());
-    let rules = kept.map(|(keep, written_in)| {
-        let Rule { value, label } = comparison_rule(keep, written_in);
-        // What is written in a unit is in it already.
-        Rule { value: if written_in.is_some() { value } else { objective.charted(value) }, label }
-    });
     let rarest = search.keep.iter().find_map(|keep| match keep {
         Keep::Plausibility { relation: Relation::Greater | Relation::GreaterOrEqual, bound }
             if *bound > 0.0 =>
@@ -126,7 +115,7 @@ fn chart(
         goal: search.objective.direction,
         tried,
         front: front.collect(),
-        rules: rules.collect(),
+        rules: objective.kept(search),
         rarest,
     }
 }
