@@ -23,10 +23,14 @@ pub const STANDARD: &str = "standard";
 /// Weights over such people, who do what people did in an experiment.
 pub const HUMANS: &str = "humans";
 
+/// Those who were [`HUMANS`] in version 1, for whoever has baselines of them.
+pub const HUMANS_1: &str = "humans_1";
+
 /// The populations that are part of the program: name, version, text.
-const SHIPPED: [(&str, u32, &str); 2] = [
+const SHIPPED: [(&str, u32, &str); 3] = [
     (STANDARD, 1, include_str!("population/standard.json")),
-    (HUMANS, 1, include_str!("population/humans.json")),
+    (HUMANS, 2, include_str!("population/humans.json")),
+    (HUMANS_1, 1, include_str!("population/humans_1.json")),
 ];
 
 /// Whose people they are.
@@ -41,6 +45,12 @@ pub fn shipped() -> impl Iterator<Item = &'static str> {
 /// than before by another version. `None` of every other name.
 pub fn shipped_version(name: &str) -> Option<u32> {
     SHIPPED.iter().find(|(known, ..)| *known == name).map(|(_, version, _)| *version)
+}
+
+/// The name under which an older version of a population still ships; `None` of those that do not, and of the newest.
+pub fn shipped_older(name: &str, version: u32) -> Option<&'static str> {
+    let older = format!("{name}_{version}");
+    shipped().find(|known| *known == older)
 }
 
 /// The parameter that names a model's variant.

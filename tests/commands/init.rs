@@ -51,8 +51,8 @@ fn the_starter_project_passes_in_an_empty_folder() {
     assert_eq!(html.matches("people of `humans` were observed before vehicles at ").count(), 1);
     // Who they are is said beside.
     let packed = json.replace(' ', "");
-    assert!(packed.contains(r#""population":"humans""#) && packed.contains(r#""version":1"#));
-    assert!(html.contains("humans, version 1, digest "));
+    assert!(packed.contains(r#""population":"humans""#) && packed.contains(r#""version":2"#));
+    assert!(html.contains("humans, version 2, digest "));
     // At the speed that people were observed with there is nothing to be told.
     let known = run(folder.path(), &["suites/every_change.suite", "--no-progress", "--set", "pace=50km/h"]);
     assert!(text(&known).contains("8 trials, 65 runs"), "{}", text(&known));

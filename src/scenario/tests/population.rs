@@ -4,7 +4,9 @@ use std::path::Path;
 
 use files::Disk;
 use models::pedestrian::commotions::model::commotions;
-use scenario_runner_scenario::population::{HUMANS, Plausibility, Population, PopulationError, STANDARD};
+use scenario_runner_scenario::population::{
+    HUMANS, HUMANS_1, Plausibility, Population, PopulationError, STANDARD, shipped_older, shipped_version,
+};
 use scenario_runner_scenario::{Settings, Value};
 
 fn csv(text: &str) -> Result<Population, PopulationError> {
@@ -36,18 +38,39 @@ fn shipped(name: &str) -> Population {
 #[test]
 fn humans_are_those_that_pages_speak_of() {
     let humans = shipped(HUMANS);
-    assert_eq!(humans.digest(), "bc9872f195ce1122");
-    assert_eq!((humans.individuals.len(), humans.len()), (2000, 10_000));
+    assert_eq!(humans.digest(), "db7927e59bbc1ad1");
+    assert_eq!((humans.individuals.len(), humans.len()), (2467, 10_000));
     assert_eq!(humans.observed_speeds(), Some((50.0 / 3.6, 50.0 / 3.6)));
     assert!(humans.source.contains("CC BY-NC-SA 4.0") && humans.source.contains("less consistent"));
-    for what in ["tool", "matched", "observations", "candidates", "effective_size", "conditions", "warnings"]
-    {
+    for what in [
+        "tool",
+        "matched",
+        "matched_parameters",
+        "observations",
+        "candidates",
+        "effective_size",
+        "conditions",
+        "warnings",
+    ] {
         assert!(humans.provenance.contains_key(what), "{what}");
     }
     let candidates = "../../scenarios/people/candidates.json";
     let candidates = Population::read(Path::new(candidates), &commotions().declaration, None, &Disk).unwrap();
     assert_eq!(humans.parameters, candidates.parameters);
     assert_eq!(humans.individuals, candidates.individuals);
+    // Whoever waits for ever beside an empty road was none of them.
+    let asked = candidates.provenance["criteria"].as_array().unwrap();
+    assert_eq!(asked.len(), 1);
+    assert_eq!(asked[0]["criterion"]["demand"]["reaches_within"].as_f64(), Some(12.0));
+}
+
+#[test]
+fn an_older_version_ships_under_a_name_of_its_own() {
+    assert_eq!((shipped_version(HUMANS), shipped_version(HUMANS_1)), (Some(2), Some(1)));
+    assert_eq!((shipped_older(HUMANS, 1), shipped_older(HUMANS, 2)), (Some(HUMANS_1), None));
+    assert_eq!(shipped_older(STANDARD, 1), None);
+    // As baselines of before have it.
+    assert_eq!(shipped(HUMANS_1).digest(), "bc9872f195ce1122");
 }
 
 #[test]

@@ -249,7 +249,11 @@ fn other_populations(base: &Baseline, candidate: &Baseline, same_seeds: bool) ->
     let in_words = |name: &String| {
         let (then, now) = (base.population_versions.get(name), candidate.population_versions.get(name));
         match then.zip(now) {
-            Some((then, now)) if then != now => format!("{name} (version {then} there, {now} here)"),
+            Some((then, now)) if then != now => {
+                let older = scenario::population::shipped_older(name, *then);
+                let older = older.map_or_else(String::new, |older| format!("; `{older}` is version {then}"));
+                format!("{name} (version {then} there, {now} here{older})")
+            }
             _ => name.clone(),
         }
     };

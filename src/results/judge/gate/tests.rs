@@ -468,7 +468,11 @@ fn another_population_is_refused_whatever_the_seed() {
         ..of(1, &[("humans", digest)])
     };
     let changed = pair(&shipped(1, "a"), &shipped(2, "b"), false).unwrap_err();
-    assert_eq!(changed, [Incompatible::Populations(vec!["humans (version 1 there, 2 here)".to_string()])]);
+    let said = |text: &str| [Incompatible::Populations(vec![text.to_string()])];
+    assert_eq!(changed, said("humans (version 1 there, 2 here; `humans_1` is version 1)"));
+    // A base of a newer program: that version is not here.
+    let changed = pair(&shipped(3, "a"), &shipped(2, "b"), false).unwrap_err();
+    assert_eq!(changed, said("humans (version 3 there, 2 here)"));
     // What is in it decides, not what it is called.
     assert!(pair(&shipped(1, "a"), &shipped(2, "a"), false).is_ok());
     // A baseline from before populations were noted: on the same seeds their people are compared one by one.
