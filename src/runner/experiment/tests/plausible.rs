@@ -238,14 +238,14 @@ fn the_front_is_of_what_was_evaluated_and_its_runs_can_be_made_again() {
 fn what_is_never_drawn_is_not_on_the_front_however_bad() {
     let mut suite = drawn_suite(4.0, 12.0);
     suite.scenarios[0].draws[1] =
-        draw("tta", Distribution::Uniform { low: 10.0.into(), high: 12.0.into() }, "s");
+        draw("tta", Distribution::Uniform { low: 7.0.into(), high: 12.0.into() }, "s");
     let found = searched(&suite);
     let usual = found.usual.as_ref().unwrap();
     assert!(usual.impossible > 0 && usual.possible > 0, "{usual:?}");
     let one = &found.found[0];
     for point in &usual.front {
         let tta = one.evaluations[point.evaluation].0[0].number().unwrap();
-        assert!((10.0..=12.0).contains(&tta) && point.plausibility > 0.0);
+        assert!((7.0..=12.0).contains(&tta) && point.plausibility > 0.0);
     }
     // Nothing of what was evaluated is possible: no front, and it is said.
     suite.scenarios[0].draws[1] =
