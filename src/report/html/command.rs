@@ -6,14 +6,14 @@ use results::SuiteReport;
 
 /// What to type to see something again.
 #[derive(Debug, Serialize)]
-pub struct Command {
+pub struct ReplayCommand {
     pub key: String,
     command: String,
     /// Whether the page has the run's animation.
     animated: bool,
 }
 
-impl Command {
+impl ReplayCommand {
     pub fn of_run(report: &SuiteReport, key: &str, animated: &[String]) -> Self {
         let command = report.identity.replay_command(key);
         Self { animated: animated.iter().any(|known| known == key), key: key.to_string(), command }

@@ -27,11 +27,11 @@ pub struct Embedded {
     /// What is drawn of each over time.
     pub plots: Vec<RunPlots>,
     /// What the page shows before its script does: of the first run.
-    pub first: Option<FirstRun>,
+    pub first: Option<LeadRun>,
 }
 
 /// A run as it is shown without the script.
-pub struct FirstRun {
+pub struct LeadRun {
     pub told: RunTold,
     pub still: Still,
     pub key: String,
@@ -70,7 +70,7 @@ pub fn embed(reports: &[SuiteReport], requests: &Requests, recordings: &[(Chosen
         plots.push(RunPlots::new(reports, recording, told.moment));
         texts.push(text);
         let end = recording.times.last().copied().unwrap_or(0.0);
-        first.get_or_insert_with(|| FirstRun {
+        first.get_or_insert_with(|| LeadRun {
             still: still(recording, told.moment.unwrap_or(end / 2.0)),
             key: recording.case.key.clone(),
             command: replay(reports, &recording.case.key),
@@ -101,6 +101,10 @@ fn severity(reports: &[SuiteReport], key: &str, told: &RunTold) -> Severity {
     let contact = told.contact.unwrap_or(-1.0);
     let none = Severity { verdict: Verdict::Passed, contact, share: 0.0 };
     let Some((trial, _)) = find(reports, key) else { return none };
+    // What only many runs together fail, such as a spread, is no failure that a run would show.
+    if told.contact.is_none() && told.why.iter().all(|one| one.class == "passed") {
+        return none;
+    }
     let named = trial.findings().iter().filter(|finding| finding.worst.iter().any(|run| run.key == key));
     let each = named.filter(|finding| finding.verdict != Verdict::Passed).map(|finding| Severity {
         verdict: finding.verdict,

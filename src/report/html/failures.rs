@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::command::Command;
+use super::command::ReplayCommand;
 use crate::groups::{Group, groups};
 use crate::wording::{judged_words, recorded_remark, run_in_words, verdict_mark, verdict_word};
 use results::{RecordedReport, Standing, SuiteReport, TrialState, Verdict};
@@ -22,7 +22,7 @@ pub struct FailureLine {
     said: String,
     /// What was found where it is worst.
     worst: Option<String>,
-    command: Option<Command>,
+    command: Option<ReplayCommand>,
 }
 
 /// The lines of a suite, and how many there would be more.
@@ -47,7 +47,7 @@ pub fn failure_lines(report: &SuiteReport, animated: &[String]) -> (Vec<FailureL
             criterion: None,
             said,
             worst: None,
-            command: Some(Command::of_block(&block.key, command)),
+            command: Some(ReplayCommand::of_block(&block.key, command)),
         });
     }
     let more = lines.len().saturating_sub(MOST_LINES);
@@ -89,7 +89,7 @@ fn recorded_line(report: &SuiteReport, one: &RecordedReport, animated: &[String]
         TrialState::Errored(error) => error.message.to_string(),
         _ => format!("recorded before, fails again{}", recorded_remark(one)),
     };
-    let command = Command::of_run(report, &one.recorded.key, animated);
+    let command = ReplayCommand::of_run(report, &one.recorded.key, animated);
     let name = one.recorded.key.clone();
     Some(FailureLine {
         class,
@@ -112,7 +112,7 @@ fn group_line(report: &SuiteReport, group: &Group, animated: &[String]) -> Failu
         criterion: Some(group.criterion.to_string()),
         said: group.in_words(),
         worst: worst.or_else(|| Some(format!("worst in {trial}"))),
-        command: group.run().map(|key| Command::of_run(report, key, animated)),
+        command: group.run().map(|key| ReplayCommand::of_run(report, key, animated)),
     }
 }
 
@@ -134,7 +134,7 @@ fn unfinished(report: &SuiteReport, animated: &[String]) -> Vec<FailureLine> {
             continue;
         }
         let run = trial.error().and_then(|error| error.faults.first()).map(|fault| fault.run.clone());
-        let command = run.map(|key| Command::of_run(report, &key, animated));
+        let command = run.map(|key| ReplayCommand::of_run(report, &key, animated));
         let name = name.clone();
         let line =
             FailureLine { class, mark: mark(class), name, criterion: None, said, worst: None, command };

@@ -107,7 +107,7 @@ fn slopes(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
 /// Between each vehicle and each person, nearest pairs first, and how many pairs there would be more.
 fn distances(recording: &Recording) -> (Vec<TimeSeries>, usize) {
     let cars = recording.case.world.vehicles.len();
-    let mut pairs: Vec<(f64, String, Vec<(f64, f64)>)> = Vec::new();
+    let mut pairs: Vec<(f64, TimeSeries)> = Vec::new();
     for car in 0..cars {
         for person in cars..recording.users.len() {
             let at = |index: usize| {
@@ -118,7 +118,7 @@ fn distances(recording: &Recording) -> (Vec<TimeSeries>, usize) {
             let nearest = points.iter().map(|point| point.1).fold(f64::INFINITY, f64::min);
             let name = format!("{} and {}", recording.name(car), recording.name(person));
             if !points.is_empty() {
-                pairs.push((nearest, name, points));
+                pairs.push((nearest, TimeSeries { look: Look::series(0), name, points }));
             }
         }
     }
@@ -126,11 +126,7 @@ fn distances(recording: &Recording) -> (Vec<TimeSeries>, usize) {
     let left_out = pairs.len().saturating_sub(MOST_PAIRS);
     let first = recording.users.len().min(MOST_USERS);
     let series = pairs.into_iter().take(MOST_PAIRS).enumerate();
-    let drawn = series.map(|(index, (_, name, points))| TimeSeries {
-        look: Look::series(first + index),
-        name,
-        points,
-    });
+    let drawn = series.map(|(index, (_, one))| TimeSeries { look: Look::series(first + index), ..one });
     (drawn.collect(), left_out)
 }
 

@@ -61,7 +61,7 @@ pub fn still(recording: &Recording, time: f64) -> Still {
         draw(&mut content, class, &body, flip(body.centre));
         let (x, y) = flip(body.centre);
         let name = html(recording.name(who));
-        let y = y - body.radius() - 0.5;
+        let y = y - half_height(&body) - 0.5;
         writeln!(
             content,
             "<text x=\"{x:.2}\" y=\"{y:.2}\" font-size=\"1\" text-anchor=\"middle\">{name}</text>"
@@ -71,6 +71,16 @@ pub fn still(recording: &Recording, time: f64) -> Still {
     let size = frame.size();
     let view_box = format!("{:.2} {:.2} {:.2} {:.2}", frame.low.x, frame.low.y, size.x, size.y);
     Still { view_box, content }
+}
+
+/// How far a body reaches across the picture, m.
+fn half_height(body: &Footprint) -> f64 {
+    match body.shape {
+        Shape::Disc { radius } => radius,
+        Shape::Rectangle { length, width } => {
+            (length * body.heading.y.abs() + width * body.heading.x.abs()) / 2.0
+        }
+    }
 }
 
 const STRING: &str = "writing to a string cannot fail";

@@ -5,8 +5,8 @@ use std::time::SystemTime;
 use chrono::{DateTime, Utc};
 use serde::Serialize;
 
-use super::command::Command;
-use super::embed::{FirstRun, embed};
+use super::command::ReplayCommand;
+use super::embed::{LeadRun, embed};
 use super::failures::{FailureLine, failure_lines, is_open};
 use super::figure::HtmlFigure;
 use super::plots::RunPlots;
@@ -76,9 +76,9 @@ struct ShownFirst {
     is_certain: bool,
 }
 
-impl From<FirstRun> for ShownFirst {
-    fn from(first: FirstRun) -> Self {
-        let FirstRun { told, still, key, command, is_certain, .. } = first;
+impl From<LeadRun> for ShownFirst {
+    fn from(first: LeadRun) -> Self {
+        let LeadRun { told, still, key, command, is_certain, .. } = first;
         Self { key, command, told, view_box: still.view_box, still: still.content, is_certain }
     }
 }
@@ -186,7 +186,7 @@ struct Cell {
 #[derive(Debug, Serialize)]
 struct Failure {
     text: String,
-    commands: Vec<Command>,
+    commands: Vec<ReplayCommand>,
 }
 
 impl Page {
@@ -501,15 +501,15 @@ fn failure(
     if trial.verdict() == Some(Verdict::Passed) {
         return None;
     }
-    let mut commands: Vec<Command> = Vec::new();
+    let mut commands: Vec<ReplayCommand> = Vec::new();
     let bad = findings.iter().filter(|finding| finding.verdict != Verdict::Passed);
     for run in bad.filter_map(|finding| finding.worst.first()) {
         if !commands.iter().any(|known| known.key == run.key) {
-            commands.push(Command::of_run(report, &run.key, animated));
+            commands.push(ReplayCommand::of_run(report, &run.key, animated));
         }
     }
     if let Some(first) = trial.error().and_then(|error| error.faults.first()) {
-        commands.push(Command::of_run(report, &first.run, animated));
+        commands.push(ReplayCommand::of_run(report, &first.run, animated));
     }
     Some(Failure { text: render_failure(&report.identity, &trial.state, false), commands })
 }
