@@ -5,16 +5,18 @@ use nalgebra::Vector2;
 use serde::Serialize;
 
 use super::told::find;
-use crate::chart::{AxisQuantity, LegendEntry, Look, OverTime, Rule, TimeSeries};
+use crate::chart::{AxisQuantity, LOOKS, LegendEntry, Look, OverTime, Rule, TimeSeries};
 use crate::wording::comparison_rule;
 use results::{Place, Recording, SuiteReport};
 use scenario::{Aggregate, Claim, Criterion, Expression, Shape, Value};
 use sim::geometry::{Footprint, apart};
 
 /// More pairs than this are not drawn: those that come nearest are.
-const MOST_PAIRS: usize = 4;
+const MOST_PAIRS: usize = 2;
 /// More road users than this are not drawn: the first are, vehicles before people.
-const MOST_USERS: usize = 6;
+const MOST_USERS: usize = 4;
+// Each line has a look of its own, so that one legend tells them apart.
+const _: () = assert!(MOST_USERS + MOST_PAIRS <= LOOKS);
 
 /// What is drawn of a run over time.
 #[derive(Debug, Serialize)]
@@ -56,7 +58,7 @@ impl RunPlots {
         let over = |title: &str, y: AxisQuantity, series: Vec<TimeSeries>, rules: Vec<Rule>| {
             OverTime { title: title.into(), y, from, to, series, rules, moment }.to_svg()
         };
-        let acceleration = AxisQuantity::new("acceleration", "m/s^2");
+        let acceleration = AxisQuantity::new("slope of the speed over 0.1 s", "m/s^2");
         let pairs = distances
             .iter()
             .map(|one| LegendEntry { swatch: one.look.swatch(true, false), label: one.name.clone() });
@@ -64,7 +66,7 @@ impl RunPlots {
         let mut panels = vec![
             over("Speeds", AxisQuantity::new("speed", "m/s"), speeds, Vec::new()),
             over(
-                "Accelerations of vehicles, from speeds 0.1 s apart",
+                "Accelerations of vehicles",
                 acceleration,
                 accelerations,
                 bounds(reports, recording, "max_deceleration", -1.0),
