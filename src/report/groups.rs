@@ -45,11 +45,6 @@ pub fn groups(report: &SuiteReport) -> Vec<Group<'_>> {
     grouped(report.placed_trials(), &counted.collect::<Vec<_>>())
 }
 
-/// Of some trials of a suite.
-pub fn groups_of<'r>(trials: &[&'r TrialReport]) -> Vec<Group<'r>> {
-    grouped(trials.iter().copied().enumerate(), &[])
-}
-
 /// Of trials with their places, and of those besides that are only counted.
 fn grouped<'r>(
     trials: impl Iterator<Item = (usize, &'r TrialReport)>,

@@ -30,22 +30,59 @@ fn as_written(value: &Value) -> String {
     }
 }
 
-/// How a run stands to what is asked of it, a line each, what it fails first: the criterion, with the bound, and the run's value,
-/// its distance from the bound, when and for whom.
-pub fn replay_reasons(criteria: &[Criterion], outcome: &Outcome, requests: &Requests) -> Vec<String> {
-    let mut lines: Vec<(u8, String)> = Vec::new();
+/// How a run stands to one thing that is asked of it.
+pub(crate) struct RunReason {
+    pub verb: &'static str,
+    /// In canonical words, such as `pet >= 1.5 s`.
+    pub criterion: String,
+    /// The run's value, its distance from the bound, when and for whom.
+    pub words: String,
+    /// When the value was taken, s.
+    pub time: Option<f64>,
+    rank: u8,
+}
+
+impl RunReason {
+    /// Whether the run alone breaks the criterion.
+    pub fn fails(&self) -> bool {
+        self.rank == 0
+    }
+
+    /// Whether it is no reason against the criterion.
+    pub fn fulfils(&self) -> bool {
+        self.rank == 2
+    }
+}
+
+/// How a run stands to what is asked of it, what it fails first.
+pub(crate) fn run_reasons(criteria: &[Criterion], outcome: &Outcome, requests: &Requests) -> Vec<RunReason> {
+    let mut reasons: Vec<RunReason> = Vec::new();
     for one in criteria.iter().filter_map(per_run) {
-        let words = run_words(&one, outcome, requests);
         let (rank, verb) = match (one.standing(outcome, requests).holds, one.decisive) {
             (false, true) => (0, "FAILS"),
             // Other runs of the trial may outweigh it.
             (false, false) => (1, "speaks against"),
             (true, _) => (2, "fulfils"),
         };
-        lines.push((rank, format!("{verb} `{}`: {words}", one.criterion.text)));
+        let index = requests.index(one.criterion.claim.metric());
+        let critical = index.and_then(|index| outcome.critical.get(index));
+        reasons.push(RunReason {
+            verb,
+            criterion: one.criterion.text.clone(),
+            words: run_words(&one, outcome, requests),
+            time: critical.and_then(|critical| critical.time),
+            rank,
+        });
     }
-    lines.sort_by_key(|(rank, _)| *rank);
-    lines.into_iter().map(|(_, line)| line).collect()
+    reasons.sort_by_key(|reason| reason.rank);
+    reasons
+}
+
+/// How a run stands to what is asked of it, a line each, what it fails first: the criterion, with the bound, and the run's value,
+/// its distance from the bound, when and for whom.
+pub fn replay_reasons(criteria: &[Criterion], outcome: &Outcome, requests: &Requests) -> Vec<String> {
+    let reasons = run_reasons(criteria, outcome, requests);
+    reasons.into_iter().map(|one| format!("{} `{}`: {}", one.verb, one.criterion, one.words)).collect()
 }
 
 /// What stands before the course of a run: the values that it has, and how it stands to what is asked of it.

@@ -11,7 +11,7 @@
 //! | metric against the value found for each individual | [`IndividualsChart`] |
 //!
 //! An optimiser's course is a [`Convergence`] (of many: [`Convergences`]), its surrogate a [`Slice`], two objectives
-//! against each other a [`Front`], how bad encounters are against how usual [`Danger`]. [`Rows`] are strips for many conditions or long names.
+//! against each other a [`Front`], how bad encounters are against how usual [`Danger`], one run over time [`OverTime`]. [`Rows`] are strips for many conditions or long names.
 
 mod convergence;
 mod danger;
@@ -19,6 +19,7 @@ mod front;
 mod individuals;
 mod look;
 mod mark;
+mod over_time;
 mod panel;
 mod paths;
 mod rates;
@@ -35,6 +36,7 @@ pub use front::Front;
 pub use individuals::{COURSES_FROM, CourseLine, FoundDot, IndividualsChart};
 pub use look::{First, LOOKS, LegendEntry, Look};
 pub use mark::PointMark;
+pub use over_time::{OverTime, TimeSeries};
 pub use panel::{AxisQuantity, Rule, shortened};
 pub use paths::{ChartPath, Paths};
 pub use rates::{Rate, RateSeries, Rates};

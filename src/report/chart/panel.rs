@@ -2,7 +2,7 @@
 
 use super::look::Look;
 use super::mark::PointMark;
-use super::scale::{Scale, logarithmic_ticks, tick_label, ticks};
+use super::scale::{Scale, logarithmic_label, logarithmic_ticks, tick_label, ticks};
 use super::svg::{At, Svg, thinned, through};
 
 /// What an axis says: a quantity and its unit, which is empty for plain numbers.
@@ -123,11 +123,13 @@ impl Panel {
         panel.draw_vertical_axis(vertical);
         match x {
             Axis::Names(names) => panel.draw_names(names),
-            Axis::Values { values, .. } if values.len() <= 8 => panel.draw_ticks(values),
+            Axis::Values { values, .. } if values.len() <= 8 => panel.draw_ticks(values, tick_label),
             Axis::Numbers { .. } | Axis::Values { .. } => {
-                panel.draw_ticks(&ticks(horizontal.0, horizontal.1, 7))
+                panel.draw_ticks(&ticks(horizontal.0, horizontal.1, 7), tick_label)
             }
-            Axis::Logarithmic { .. } => panel.draw_ticks(&logarithmic_ticks(horizontal.0, horizontal.1)),
+            Axis::Logarithmic { .. } => {
+                panel.draw_ticks(&logarithmic_ticks(horizontal.0, horizontal.1), logarithmic_label)
+            }
         }
         panel.draw_frame();
         panel
@@ -164,7 +166,7 @@ impl Panel {
                 .svg
                 .empty("line", &[("class", &"grid"), ("x1", &x), ("x2", &x), ("y1", &top), ("y2", &bottom)]);
         }
-        panel.draw_ticks(&places);
+        panel.draw_ticks(&places, tick_label);
         let letters = ((WIDTH - left - RIGHT) / LETTER) as usize;
         for (index, name) in names.iter().enumerate() {
             let y = At(panel.y.at(index as f64) + LINE);
@@ -230,7 +232,7 @@ impl Panel {
         }
     }
 
-    fn draw_ticks(&mut self, places: &[f64]) {
+    fn draw_ticks(&mut self, places: &[f64], label: fn(f64) -> String) {
         let (bottom, under) = (At(self.height - BOTTOM), self.under());
         for tick in places {
             let x = At(self.x.at(*tick));
@@ -238,7 +240,7 @@ impl Panel {
                 "line",
                 &[("class", &"tick"), ("x1", &x), ("x2", &x), ("y1", &bottom), ("y2", &At(under - 10.0))],
             );
-            self.svg.label(&tick_label(*tick), &[("x", &x), ("y", &At(under)), ("text-anchor", &"middle")]);
+            self.svg.label(&label(*tick), &[("x", &x), ("y", &At(under)), ("text-anchor", &"middle")]);
         }
     }
 

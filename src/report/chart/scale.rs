@@ -69,6 +69,9 @@ pub fn ticks(low: f64, high: f64, about: usize) -> Vec<f64> {
     (first..=last).map(|index| index as f64 * step).collect()
 }
 
+/// More powers of ten than this have no room below a chart.
+const MOST_DECADES: usize = 8;
+
 /// Round numbers within an interval of positive numbers that is seen on a logarithmic scale.
 pub fn logarithmic_ticks(low: f64, high: f64) -> Vec<f64> {
     let decades = libm::floor(libm::log10(low)) as i32..=libm::ceil(libm::log10(high)) as i32;
@@ -80,7 +83,10 @@ pub fn logarithmic_ticks(low: f64, high: f64) -> Vec<f64> {
     };
     match (within(&[1.0, 2.0, 5.0]), within(&[1.0])) {
         (fine, _) if fine.len() < 3 => ticks(low, high, 5),
-        (fine, coarse) if fine.len() > 8 && coarse.len() > 1 => coarse,
+        (fine, coarse) if fine.len() > 8 && coarse.len() > 1 => {
+            let every = coarse.len().div_ceil(MOST_DECADES);
+            coarse.into_iter().step_by(every).collect()
+        }
         (fine, _) => fine,
     }
 }
@@ -88,6 +94,21 @@ pub fn logarithmic_ticks(low: f64, high: f64) -> Vec<f64> {
 /// A tick's number without rounding noise.
 pub fn tick_label(value: f64) -> String {
     significant(value, 6)
+}
+
+/// The number of a tick of a logarithmic scale: powers of ten that are long as numbers are written as powers.
+pub fn logarithmic_label(value: f64) -> String {
+    let power = libm::round(libm::log10(value));
+    let exact = (value / libm::pow(10.0, power) - 1.0).abs() < 1e-9;
+    if !exact || (-3.0..5.0).contains(&power) {
+        return tick_label(value);
+    }
+    let number = format!("{power}");
+    let digits = number.chars().map(|digit| match digit.to_digit(10) {
+        Some(digit) => ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'][digit as usize],
+        None => '⁻',
+    });
+    format!("10{}", digits.collect::<String>())
 }
 
 /// 1, 2 or 5 times a power of ten, so that the interval has about `about` steps.
@@ -123,6 +144,14 @@ mod tests {
         assert_eq!(near(logarithmic_ticks(0.5, 20.0)), "0.5 1 2 5 10 20");
         assert_eq!(near(logarithmic_ticks(0.001, 1000.0)), "0.001 0.01 0.1 1 10 100 1000");
         assert_eq!(near(logarithmic_ticks(3.0, 4.0)), "3 3.2 3.4 3.6 3.8 4");
+        // Powers that are long as numbers, and no more of them than there is room for.
+        let labels = |low, high| -> Vec<String> {
+            logarithmic_ticks(low, high).into_iter().map(logarithmic_label).collect()
+        };
+        assert_eq!(labels(0.9, 2e7).join(" "), "1 10 100 1000 10000 10⁵ 10⁶ 10⁷");
+        assert_eq!(labels(0.9, 2e12).join(" "), "1 100 10000 10⁶ 10⁸ 10¹⁰ 10¹²");
+        assert_eq!(logarithmic_label(2e5), "200000");
+        assert_eq!(logarithmic_label(1e-6), "10⁻⁶");
     }
 
     proptest! {

@@ -3,12 +3,13 @@
 use nalgebra::Vector2;
 use serde_json::{Value, json};
 
+use super::plots::RunPlots;
+use super::still::{Still, still};
+use super::told::{RunTold, find};
 use crate::drawing::{Mark, beside, stop_lines, view, world_marks};
 use crate::replay::describe;
 use files::escape::html_characters;
-use results::Chosen;
-use results::Recording;
-use results::SuiteReport;
+use results::{Chosen, Recording, Requests, SuiteReport, Verdict};
 use scenario::{CrossingKind, Side, TrafficSignal};
 
 /// All of them together may take this much of the page, in bytes.
@@ -16,44 +17,115 @@ const MOST_BYTES: usize = 3_000_000;
 
 /// What the page's script reads.
 pub struct Embedded {
-    /// A JSON array that is safe inside a `script` element.
+    /// A JSON array that is safe inside a `script` element. The first is the worst failure, if there is one.
     pub json: String,
     pub count: usize,
     /// Keys of the runs in it.
     pub keys: Vec<String>,
     /// How many chosen runs would have made the page too large.
     pub left_out: usize,
+    /// What is drawn of each over time.
+    pub plots: Vec<RunPlots>,
+    /// What the page shows before its script does: of the first run.
+    pub first: Option<LeadRun>,
 }
 
-/// The runs that are to be animated, as many as fit.
-pub fn embed(reports: &[SuiteReport], recordings: &[(Chosen, Recording)]) -> Embedded {
-    let mut texts: Vec<String> = Vec::new();
-    let (mut bytes, mut left_out, mut keys) = (0, 0, Vec::new());
+/// A run as it is shown without the script.
+pub struct LeadRun {
+    pub told: RunTold,
+    pub still: Still,
+    pub key: String,
+    /// Replays it.
+    pub command: String,
+    /// Whether a criterion is not fulfilled because of it.
+    pub is_failure: bool,
+    /// Whether that is decided.
+    pub is_certain: bool,
+}
+
+/// The runs that are to be animated, as many as fit; the worst failure comes first.
+pub fn embed(reports: &[SuiteReport], requests: &Requests, recordings: &[(Chosen, Recording)]) -> Embedded {
+    let mut drawn: Vec<(&Recording, &str, RunTold, Severity)> = Vec::new();
     for (chosen, recording) in recordings {
         let Some(reason) = &chosen.reason else { continue };
+        let told = RunTold::new(reports, requests, recording);
+        let severity = severity(reports, &recording.case.key, &told);
+        drawn.push((recording, reason, told, severity));
+    }
+    if let Some(worst) = (0..drawn.len()).rev().max_by(|one, other| drawn[*one].3.cmp(&drawn[*other].3)) {
+        let worst = drawn.remove(worst);
+        drawn.insert(0, worst);
+    }
+    let (mut texts, mut plots): (Vec<String>, Vec<RunPlots>) = Default::default();
+    let (mut bytes, mut left_out, mut keys, mut first) = (0, 0, Vec::new(), None);
+    for (recording, reason, told, severity) in drawn {
         // `<` would let a name end the element.
-        let text = plain(run(reports, recording, reason)).to_string().replace('<', "\\u003c");
+        let text = plain(run(reports, recording, reason, &told)).to_string().replace('<', "\\u003c");
         if bytes + text.len() > MOST_BYTES {
             left_out += 1;
             continue;
         }
         bytes += text.len();
-        keys.push(chosen.key.clone());
+        keys.push(recording.case.key.clone());
+        plots.push(RunPlots::new(reports, recording, told.moment));
         texts.push(text);
+        let end = recording.times.last().copied().unwrap_or(0.0);
+        first.get_or_insert_with(|| LeadRun {
+            still: still(recording, told.moment.unwrap_or(end / 2.0)),
+            key: recording.case.key.clone(),
+            command: replay(reports, &recording.case.key),
+            is_failure: severity.verdict > Verdict::Passed,
+            is_certain: severity.verdict == Verdict::Failed,
+            told,
+        });
     }
-    Embedded { json: format!("[{}]", texts.join(",\n")), count: texts.len(), keys, left_out }
+    Embedded { json: format!("[{}]", texts.join(",\n")), count: texts.len(), keys, left_out, plots, first }
 }
 
-fn run(reports: &[SuiteReport], recording: &Recording, reason: &str) -> Value {
+/// How bad a run is, to be compared: what its trial failed because of it, how fast bodies met in it, and the share of runs that are so.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Severity {
+    verdict: Verdict,
+    contact: f64,
+    share: f64,
+}
+
+impl Severity {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        let speed = self.contact.total_cmp(&other.contact);
+        self.verdict.cmp(&other.verdict).then(speed).then(self.share.total_cmp(&other.share))
+    }
+}
+
+fn severity(reports: &[SuiteReport], key: &str, told: &RunTold) -> Severity {
+    let contact = told.contact.unwrap_or(-1.0);
+    let none = Severity { verdict: Verdict::Passed, contact, share: 0.0 };
+    let Some((trial, _)) = find(reports, key) else { return none };
+    // What only many runs together fail, such as a spread, is no failure that a run would show.
+    if told.contact.is_none() && told.why.iter().all(|one| one.class == "passed") {
+        return none;
+    }
+    let named = trial.findings().iter().filter(|finding| finding.worst.iter().any(|run| run.key == key));
+    let each = named.filter(|finding| finding.verdict != Verdict::Passed).map(|finding| Severity {
+        verdict: finding.verdict,
+        contact,
+        share: 1.0 - finding.holding as f64 / finding.runs.max(1) as f64,
+    });
+    each.fold(none, |worst, one| if one.cmp(&worst).is_gt() { one } else { worst })
+}
+
+/// What to type to see a run again.
+fn replay(reports: &[SuiteReport], key: &str) -> String {
+    let belongs = |report: &&SuiteReport| {
+        report.trials.iter().flat_map(|trial| &trial.outcomes).any(|known| known.key == key)
+    };
+    reports.iter().find(belongs).map_or_else(String::new, |report| report.identity.replay_command(key))
+}
+
+fn run(reports: &[SuiteReport], recording: &Recording, reason: &str, told: &RunTold) -> Value {
     let case = &recording.case;
     let road = &case.world.road;
-    let belongs = |report: &&SuiteReport| {
-        report.trials.iter().flat_map(|trial| &trial.outcomes).any(|known| known.key == case.key)
-    };
-    let command = reports
-        .iter()
-        .find(belongs)
-        .map_or_else(String::new, |report| report.identity.replay_command(&case.key));
+    let command = replay(reports, &case.key);
     let signal = match road.crossing.kind {
         CrossingKind::Signalised(TrafficSignal {
             cycle,
@@ -121,6 +193,9 @@ fn run(reports: &[SuiteReport], recording: &Recording, reason: &str) -> Value {
         "key": case.key,
         "reason": reason,
         "command": command,
+        "sentence": told.sentence,
+        "moment": told.moment,
+        "why": told.why.iter().map(|one| json!([one.class, one.text, one.time])).collect::<Vec<_>>(),
         "times": recording.times.iter().map(|time| rounded(*time)).collect::<Vec<_>>(),
         "road": {
             "width": road.lane_width,
@@ -219,10 +294,14 @@ mod tests {
         Recording::new(&case, &trace, Vec::new())
     }
 
+    fn shown(recording: &Recording) -> Value {
+        run(&[], recording, "example", &RunTold::new(&[], &Requests::default(), recording))
+    }
+
     #[test]
     fn a_run_on_a_bend_is_shown_along_it() {
         let recording = recorded();
-        let shown = run(&[], &recording, "example");
+        let shown = shown(&recording);
         let view: Vec<f64> =
             shown["road"]["view"].as_array().unwrap().iter().map(|one| one.as_f64().unwrap()).collect();
         let number = |value: &Value| value.as_f64().unwrap();
@@ -263,9 +342,9 @@ mod tests {
         let recording = recorded();
         let text = serde_json::to_string(&recording).unwrap();
         let back: Recording = serde_json::from_str(&text).unwrap();
-        assert_eq!(run(&[], &back, "example"), run(&[], &recording, "example"));
+        assert_eq!(shown(&back), shown(&recording));
         if let Some(path) = option_env!("LOOK_AT") {
-            std::fs::write(path, run(&[], &recording, "example").to_string()).unwrap();
+            std::fs::write(path, shown(&recording).to_string()).unwrap();
         }
     }
 }

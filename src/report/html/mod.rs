@@ -2,15 +2,21 @@
 
 mod block;
 mod calibrate;
+mod command;
 mod embed;
 mod estimate;
 mod evaluate;
+mod failures;
 mod figure;
 mod gate;
+mod plots;
+mod policy;
 mod rating;
 mod search;
 mod space;
 mod statement;
+mod still;
+mod told;
 mod tune;
 mod usual;
 mod view;
@@ -26,8 +32,10 @@ use files::escape::html_characters;
 use results::Results;
 
 /// The page and its parts.
-const TEMPLATES: [(&str, &str); 11] = [
+const TEMPLATES: [(&str, &str); 13] = [
     ("page.html", include_str!("page.html")),
+    ("failures.html", include_str!("failures.html")),
+    ("player.html", include_str!("player.html")),
     ("figure.html", include_str!("figure.html")),
     ("statements.html", include_str!("statements.html")),
     ("search.html", include_str!("search.html")),
@@ -64,12 +72,14 @@ pub fn to_html(results: &Results) -> String {
         environment.add_template(name, text).expect("the template is valid");
     }
     let template = environment.get_template("page.html").expect("it was added above");
-    let style = concat!(include_str!("page.css"), "\n");
+    let style = format!("{}\n{}\n{}", include_str!("page.css"), include_str!("player.css"), chart::STYLE);
+    let script = include_str!("page.js");
     template
         .render(context! {
             page => Serde(page),
-            style => format!("{style}{}", chart::STYLE),
-            script => include_str!("page.js"),
+            policy => policy::content_security_policy(&style, script),
+            style,
+            script,
         })
         .expect("the template fits the page")
 }
@@ -98,6 +108,8 @@ mod tests {
         let mut rest = page.replace(env!("CARGO_PKG_VERSION"), "[version]");
         let platform = format!("{} {}", std::env::consts::OS, std::env::consts::ARCH);
         rest = rest.replace(&platform, "[platform]");
+        let policy = policy_of(page).to_string();
+        rest = rest.replace(&policy, "[policy]");
         for (begin, end) in
             [("<style", "</style>"), ("<script", "</script>"), ("<svg class", "</svg>\n</div>")]
         {
@@ -110,6 +122,91 @@ mod tests {
             }
         }
         rest
+    }
+
+    /// As it stands in the page.
+    fn policy_of(page: &str) -> &str {
+        let content = part(page, "http-equiv=\"Content-Security-Policy\" content=\"", "\">");
+        content.split_once("content=\"").expect("it was found with that").1
+    }
+
+    #[test]
+    fn browsers_run_our_script_and_no_other() {
+        let page = page();
+        let policy = policy_of(&page).replace("&#x27;", "'").replace("&#x2f;", "/");
+        let inner = |from: &str, to: &str| {
+            let element = part(&page, from, to);
+            element[from.len()..].to_string()
+        };
+        let (style, script) = (inner("<style>", "</style>"), inner("<script>", "</script>"));
+        assert_eq!(policy, policy::content_security_policy(&style, &script));
+        assert!(!policy.contains("unsafe"));
+        // What the policy forbids is not asked for.
+        for forbidden in [" style=", " onclick=", "javascript:", ".innerHTML", "eval("] {
+            assert!(!page.contains(forbidden), "{forbidden}");
+        }
+    }
+
+    #[test]
+    fn the_worst_failure_stands_before_everything_else() {
+        let page = page();
+        let place = |text: &str| page.find(text).unwrap_or_else(|| panic!("no {text}"));
+        let order = [
+            "class=\"verdict failed\"",
+            "<h2>Worst failure</h2>",
+            "<h2>What did not pass</h2>",
+            "id=\"suite-1\"",
+            "id=\"about\"",
+        ];
+        assert!(order.windows(2).all(|pair| place(pair[0]) < place(pair[1])));
+        // What is embedded first is what is told of without the script.
+        let key = part(&page, "id=\"command\">", "</code>")
+            .split("&#x27;")
+            .nth(1)
+            .expect("a key")
+            .replace("&#x2f;", "/");
+        assert!(
+            part(&page, "id=\"data\">", "\"kind\"").contains(&key)
+                && page.matches("class=\"plots\"").count() > 1
+        );
+    }
+
+    /// The words and the class of a page's verdict.
+    fn verdict_of(report: results::SuiteReport) -> String {
+        let page = to_html(&Session::new().unrecorded(report));
+        part(&page, "<p class=\"verdict ", "</p>").to_string()
+    }
+
+    #[test]
+    fn nothing_that_is_not_well_looks_so() {
+        let empty = || {
+            let mut report = Session::new().report();
+            (report.blocks, report.gates, report.ratings, report.recorded) = Default::default();
+            report
+        };
+        let only = |index: usize| {
+            let mut report = empty();
+            report.trials = vec![report.trials.remove(index)];
+            report
+        };
+        let passed = |verdict: &str| verdict.starts_with("<p class=\"verdict passed");
+        let count = empty().trials.len();
+        assert!(!passed(&verdict_of(only(count - 2))), "an error");
+        assert!(!passed(&verdict_of(only(count - 1))), "skipped");
+        let mut nothing = empty();
+        nothing.trials.clear();
+        assert!(!passed(&verdict_of(nothing)), "nothing");
+        let passes = |index: &usize| only(*index).trials[0].verdict() == Some(results::Verdict::Passed);
+        let good = || only((0..count).find(passes).expect("one passes"));
+        assert!(passed(&verdict_of(good())), "a trial that passes");
+        // A recorded run that still fails, beside trials that pass.
+        let mut good = good();
+        good.recorded = Session::new().report().recorded;
+        let verdict = verdict_of(good);
+        assert!(!passed(&verdict) && verdict.contains("recorded runs do not pass: 1"), "{verdict}");
+        let mut cut = Session::new().interrupted();
+        cut.trials.remove(0);
+        assert!(!passed(&verdict_of(cut)), "cut off");
     }
 
     #[test]

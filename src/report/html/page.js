@@ -1,6 +1,6 @@
 "use strict";
-// The animation of single runs, buttons that copy commands, and tables that can be sorted. Everything else on the page
-// works without.
+// The moving picture of single runs with a line over what is drawn of them over time, buttons that copy commands, and tables
+// that can be sorted and filtered. Everything else on the page works without.
 (() => {
   const byId = (id) => document.getElementById(id);
 
@@ -42,10 +42,31 @@
     }
   }
 
+  // Rows that do not have what is typed are not shown.
+  for (const table of document.querySelectorAll(".sortable")) {
+    const rows = [...table.tBodies[0].rows];
+    if (rows.length < 8) continue;
+    const label = document.createElement("label"), input = document.createElement("input"), count = document.createElement("output");
+    label.className = "filter";
+    input.type = "search";
+    label.append("only rows with ", input, " ", count);
+    input.addEventListener("input", () => {
+      const wanted = input.value.trim().toLowerCase();
+      let shown = 0;
+      for (const row of rows) {
+        row.hidden = !row.textContent.toLowerCase().includes(wanted);
+        if (!row.hidden) shown += 1;
+      }
+      count.textContent = wanted ? `${shown} of ${rows.length}` : "";
+    });
+    (table.closest(".scroll") || table).before(label);
+  }
+
   const data = byId("data");
   if (!data) return;
   const runs = JSON.parse(data.textContent);
-  byId("player").hidden = false;
+  for (const id of ["player", "choosing", "beside"]) byId(id).hidden = false;
+  document.body.classList.add("ready");
 
   const element = (name, attributes, parent, text) => {
     const made = document.createElementNS("http://www.w3.org/2000/svg", name);
@@ -55,7 +76,7 @@
     return made;
   };
   const view = byId("view"), plane = byId("plane"), slider = byId("time");
-  let run, time = 0, playing = false, last = 0, update = () => {};
+  let run, time = 0, playing = false, last = 0, until = Infinity, update = () => {};
 
   // The place of a road user at a time, linear between the recorded ones; null before it appears.
   const placeAt = (user, at) => {
@@ -240,22 +261,67 @@
     };
   };
 
+  // The lines over what is drawn over time, from the first time at 42 to the last at 330 of the picture's width.
+  const plots = [...document.querySelectorAll(".plots")];
+  const drawCursors = () => {
+    const shown = plots[runs.indexOf(run)];
+    if (!shown) return () => {};
+    const from = +shown.dataset.from, to = +shown.dataset.to;
+    const cursors = [...shown.querySelectorAll(".panel > .chart")].map((chart) => {
+      let cursor = chart.querySelector(".cursor");
+      if (!cursor) {
+        const bottom = chart.viewBox.baseVal.height - 44;
+        cursor = element("line", { class: "cursor", y1: 38, y2: bottom }, chart);
+        chart.addEventListener("pointerdown", (event) => {
+          const box = chart.getBoundingClientRect();
+          const place = ((event.clientX - box.left) / box.width) * chart.viewBox.baseVal.width;
+          pause();
+          show(Math.max(from, Math.min(to, from + ((place - 42) / 288) * (to - from))));
+        });
+      }
+      return cursor;
+    });
+    return () => {
+      const x = 42 + (Math.max(0, Math.min(1, (time - from) / (to - from)))) * 288;
+      for (const cursor of cursors) { cursor.setAttribute("x1", x); cursor.setAttribute("x2", x); }
+    };
+  };
+
+  const drawWhy = () => {
+    byId("sentence").textContent = run.sentence;
+    view.setAttribute("aria-label", `the run from above: ${run.sentence}`);
+    byId("why").replaceChildren(...run.why.map(([kind, text, at]) => {
+      const item = document.createElement("li");
+      item.className = kind;
+      item.textContent = text;
+      if (at !== null) {
+        const button = document.createElement("button");
+        button.type = "button";
+        button.textContent = `show ${at.toFixed(2)} s`;
+        button.addEventListener("click", () => { pause(); show(at); });
+        item.append(button);
+      }
+      return item;
+    }));
+    plots.forEach((each, index) => { each.hidden = runs[index] !== run; });
+  };
+
   const show = (at) => {
-    time = Math.min(at, run.times[run.times.length - 1]);
+    time = Math.max(0, Math.min(at, run.times[run.times.length - 1]));
     slider.value = time;
     byId("clock").value = `${time.toFixed(2)} s`;
     update();
   };
-  const pause = () => { playing = false; byId("play").textContent = "▶ play"; };
+  const pause = () => { playing = false; until = Infinity; byId("play").textContent = "▶ play"; };
   const frame = (now) => {
     if (!playing) return;
-    show(time + ((now - last) / 1000) * byId("pace").value);
+    show(Math.min(until, time + ((now - last) / 1000) * byId("pace").value));
     last = now;
-    if (time >= run.times[run.times.length - 1]) pause();
+    if (time >= Math.min(until, run.times[run.times.length - 1])) pause();
     else requestAnimationFrame(frame);
   };
   const redraw = () => {
-    const parts = [drawView(), drawPlane(), drawEvents()];
+    const parts = [drawView(), drawPlane(), drawEvents(), drawCursors()];
     update = () => parts.forEach((part) => part());
     update();
   };
@@ -265,7 +331,9 @@
     byId("choice").value = index;
     byId("command").textContent = run.command;
     slider.max = run.times[run.times.length - 1];
+    drawWhy();
     redraw();
+    if (run.moment !== null) return show(run.moment);
     // Begin where something happens: when the first pedestrian is there.
     const people = run.users.filter((user) => user.kind === "pedestrian");
     const first = run.times.findIndex((_, index) => people.some((user) => user.x[index] !== null));
@@ -280,14 +348,16 @@
   });
   byId("choice").addEventListener("change", (event) => choose(+event.target.value));
   slider.addEventListener("input", () => { pause(); show(+slider.value); });
-  byId("play").addEventListener("click", () => {
-    if (playing) return pause();
+  const play = () => {
     playing = true;
     byId("play").textContent = "❚❚ pause";
     if (time >= run.times[run.times.length - 1]) show(0);
     last = performance.now();
     requestAnimationFrame(frame);
-  });
+  };
+  byId("play").addEventListener("click", () => (playing ? pause() : play()));
+  byId("back").addEventListener("click", () => { pause(); show(time - 0.1); });
+  byId("forth").addEventListener("click", () => { pause(); show(time + 0.1); });
   let width = 0;
   addEventListener("resize", () => {
     if (view.clientWidth !== width) { width = view.clientWidth; redraw(); }
@@ -301,5 +371,12 @@
     return true;
   };
   addEventListener("hashchange", follow);
-  if (!follow()) choose(0);
+  if (follow()) return;
+  choose(0);
+  // The worst failure is shown once up to its moment, where it stays; not to whoever wants nothing to move.
+  const still = matchMedia("(prefers-reduced-motion: reduce)").matches;
+  if (still || run.moment === null || !byId("runs").classList.contains("leads")) return;
+  show(Math.max(0, run.moment - 3));
+  until = run.moment;
+  play();
 })();

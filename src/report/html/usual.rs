@@ -65,7 +65,7 @@ impl UsualSection {
                     same encounter stand beside them.";
         let figure = HtmlFigure::new("Danger against plausibility", note, vec![chart.to_svg()]);
         Some(Self {
-            sentences: basis(usual),
+            sentences: basis(usual).iter().map(|sentence| quoted(sentence)).collect(),
             figures: vec![figure.with_legend(chart.legend())],
             parts: usual.of.len() > 1,
             rows,
@@ -117,5 +117,27 @@ fn chart(
         front: front.collect(),
         rules: objective.kept(search),
         rarest,
+    }
+}
+
+/// Names between quotation marks, where a terminal has backticks.
+fn quoted(sentence: &str) -> String {
+    let parts = sentence.split('`').enumerate();
+    let marked = parts.map(|(index, part)| match index {
+        0 => part.to_string(),
+        _ if index % 2 == 1 => format!("“{part}"),
+        _ => format!("”{part}"),
+    });
+    marked.collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_stand_between_quotation_marks() {
+        assert_eq!(quoted("usual in `tta` and `speed` together."), "usual in “tta” and “speed” together.");
+        assert_eq!(quoted("nothing"), "nothing");
     }
 }

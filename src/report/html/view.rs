@@ -5,15 +5,18 @@ use std::time::SystemTime;
 use chrono::{DateTime, Utc};
 use serde::Serialize;
 
-use super::embed::embed;
+use super::command::ReplayCommand;
+use super::embed::{LeadRun, embed};
+use super::failures::{FailureLine, failure_lines, is_open};
 use super::figure::HtmlFigure;
+use super::plots::RunPlots;
 use super::statement::Statements;
+use super::told::RunTold;
 use super::{block, gate, rating};
 use crate::controllers;
 use crate::digest::written_unit;
 use crate::failure::render_failure;
 use crate::figures::{figures, short_name};
-use crate::groups::{Group, groups_of};
 use crate::table::Column;
 use crate::wording::{
     bound, interval, judged_words, margin, missing, nearest_run, observed, stopping, trial_warnings,
@@ -48,6 +51,36 @@ pub struct Page {
     runs: String,
     run_count: usize,
     runs_left_out: usize,
+    /// What is drawn of each of them over time.
+    plots: Vec<RunPlots>,
+    /// The run that is seen first.
+    first: Option<ShownFirst>,
+    /// Whether that is a failure, which then stands before everything else.
+    leads: bool,
+    /// Recorded runs that do not pass, none of which is counted elsewhere.
+    recorded_open: usize,
+    /// Failures of every suite.
+    failures: Vec<FailureLine>,
+    failures_left_out: usize,
+}
+
+/// A run as it is seen before the script draws it.
+#[derive(Debug, Serialize)]
+struct ShownFirst {
+    key: String,
+    command: String,
+    told: RunTold,
+    view_box: String,
+    /// SVG elements.
+    still: String,
+    is_certain: bool,
+}
+
+impl From<LeadRun> for ShownFirst {
+    fn from(first: LeadRun) -> Self {
+        let LeadRun { told, still, key, command, is_certain, .. } = first;
+        Self { key, command, told, view_box: still.view_box, still: still.content, is_certain }
+    }
 }
 
 /// Trials, blocks, ratings and gates by what became of them, and the runs of trials.
@@ -113,19 +146,8 @@ struct Scenario {
     long: bool,
     /// Why trials were skipped, and how many.
     skipped: Vec<String>,
-    /// Failures of one cause that several trials have, worst first.
-    causes: Vec<Cause>,
     /// What there would be more of.
     left_out: Vec<String>,
-}
-
-#[derive(Debug, Serialize)]
-struct Cause {
-    state: &'static str,
-    mark: &'static str,
-    criterion: String,
-    said: String,
-    command: Option<Command>,
 }
 
 #[derive(Debug, Serialize)]
@@ -164,15 +186,7 @@ struct Cell {
 #[derive(Debug, Serialize)]
 struct Failure {
     text: String,
-    commands: Vec<Command>,
-}
-
-#[derive(Debug, Serialize)]
-struct Command {
-    key: String,
-    command: String,
-    /// Whether the page has the run's animation.
-    animated: bool,
+    commands: Vec<ReplayCommand>,
 }
 
 impl Page {
@@ -182,7 +196,8 @@ impl Page {
         recordings: &[(Chosen, Recording)],
         started: SystemTime,
     ) -> Self {
-        let embedded = embed(reports, recordings);
+        let embedded = embed(reports, requests, recordings);
+        let leads = embedded.first.as_ref().is_some_and(|first| first.is_failure);
         let drawn: Vec<Recording> = recordings.iter().map(|(_, recording)| recording.clone()).collect();
         let mut counts = Counts::default();
         reports.iter().flat_map(|report| &report.trials).for_each(|trial| counts.add(trial));
@@ -190,6 +205,9 @@ impl Page {
         reports.iter().flat_map(|report| &report.gates).for_each(|gate| counts.add_gate(gate));
         reports.iter().flat_map(|report| &report.ratings).for_each(|rating| counts.add_rating(rating));
         let names: Vec<_> = reports.iter().map(|report| report.identity.suite.as_str()).collect();
+        let lines = reports.iter().map(|report| failure_lines(report, &embedded.keys));
+        let (failures, left_out): (Vec<Vec<FailureLine>>, Vec<usize>) = lines.unzip();
+        let recorded = reports.iter().flat_map(|report| &report.recorded);
         let program = Program::of(reports);
         Self {
             version: program.version,
@@ -203,6 +221,12 @@ impl Page {
             run_count: embedded.count,
             runs_left_out: embedded.left_out,
             runs: embedded.json,
+            plots: embedded.plots,
+            first: embedded.first.map(ShownFirst::from),
+            leads,
+            recorded_open: recorded.filter(|one| is_open(one)).count(),
+            failures: failures.into_iter().flatten().collect(),
+            failures_left_out: left_out.into_iter().sum(),
         }
     }
 }
@@ -395,29 +419,10 @@ fn scenario(
         variations: names.join(", "),
         trials: shown,
         skipped: skipped(trials),
-        causes: causes(report, trials, animated),
         left_out,
         long,
         criteria,
     }
-}
-
-/// What several of these trials have in common that did not hold, worst first.
-fn causes(report: &SuiteReport, trials: &[&TrialReport], animated: &[String]) -> Vec<Cause> {
-    let groups = groups_of(trials).into_iter().filter(|group| group.trials.len() > 1);
-    let cause = |group: Group| Cause {
-        state: verdict_word(group.verdict),
-        mark: verdict_mark(group.verdict),
-        criterion: group.criterion.to_string(),
-        said: format!("{}, worst in {}", group.in_words(), group.worst.0),
-        command: group.run().map(|key| command(report, key, animated)),
-    };
-    groups.map(cause).collect()
-}
-
-fn command(report: &SuiteReport, key: &str, animated: &[String]) -> Command {
-    let command = report.identity.replay_command(key);
-    Command { animated: animated.iter().any(|known| known == key), key: key.to_string(), command }
 }
 
 /// The reasons for which trials were skipped, each with its count.
@@ -496,15 +501,15 @@ fn failure(
     if trial.verdict() == Some(Verdict::Passed) {
         return None;
     }
-    let mut commands: Vec<Command> = Vec::new();
+    let mut commands: Vec<ReplayCommand> = Vec::new();
     let bad = findings.iter().filter(|finding| finding.verdict != Verdict::Passed);
     for run in bad.filter_map(|finding| finding.worst.first()) {
         if !commands.iter().any(|known| known.key == run.key) {
-            commands.push(command(report, &run.key, animated));
+            commands.push(ReplayCommand::of_run(report, &run.key, animated));
         }
     }
     if let Some(first) = trial.error().and_then(|error| error.faults.first()) {
-        commands.push(command(report, &first.run, animated));
+        commands.push(ReplayCommand::of_run(report, &first.run, animated));
     }
     Some(Failure { text: render_failure(&report.identity, &trial.state, false), commands })
 }

@@ -1,0 +1,175 @@
+//! What did not pass, as a list: failures of one cause together, and whatever was not brought to its end.
+
+use serde::Serialize;
+
+use super::command::ReplayCommand;
+use crate::groups::{Group, groups};
+use crate::wording::{judged_words, recorded_remark, run_in_words, verdict_mark, verdict_word};
+use results::{RecordedReport, Standing, SuiteReport, TrialState, Verdict};
+
+/// More lines of a suite are not written out.
+const MOST_LINES: usize = 60;
+
+/// A line of the list.
+#[derive(Debug, Serialize)]
+pub struct FailureLine {
+    class: &'static str,
+    mark: &'static str,
+    /// What it is about: a scenario, a block, a recorded run.
+    name: String,
+    /// The criterion, if it is about one.
+    criterion: Option<String>,
+    said: String,
+    /// What was found where it is worst.
+    worst: Option<String>,
+    command: Option<ReplayCommand>,
+}
+
+/// The lines of a suite, and how many there would be more.
+pub fn failure_lines(report: &SuiteReport, animated: &[String]) -> (Vec<FailureLine>, usize) {
+    let mut lines: Vec<FailureLine> =
+        report.recorded.iter().filter_map(|one| recorded_line(report, one, animated)).collect();
+    lines.extend(groups(report).into_iter().map(|group| group_line(report, &group, animated)));
+    lines.extend(unfinished(report, animated));
+    for block in &report.blocks {
+        let class = match block.standing() {
+            Standing::Judged(Verdict::Passed) | Standing::Skipped => continue,
+            standing => class(standing),
+        };
+        let said = crate::failure::render_block_failure(&report.identity, block, false);
+        let said = said.lines().next().unwrap_or_default().trim_start_matches("error: ").to_string();
+        let name = format!("{} {}", block.block.kind(), block.block.name());
+        let command = report.identity.block_command(&block.key);
+        lines.push(FailureLine {
+            class,
+            mark: mark(class),
+            name,
+            criterion: None,
+            said,
+            worst: None,
+            command: Some(ReplayCommand::of_block(&block.key, command)),
+        });
+    }
+    let more = lines.len().saturating_sub(MOST_LINES);
+    lines.truncate(MOST_LINES);
+    (lines, more)
+}
+
+fn class(standing: Standing) -> &'static str {
+    match standing {
+        Standing::Judged(verdict) => verdict_word(verdict),
+        Standing::NotFinished(_) => "not finished",
+        Standing::Errored => "error",
+        Standing::Skipped => "skipped",
+        Standing::NotJudged => "not judged",
+    }
+}
+
+fn mark(class: &str) -> &'static str {
+    match class {
+        "failed" => verdict_mark(Verdict::Failed),
+        "inconclusive" => verdict_mark(Verdict::Inconclusive),
+        "not finished" => "■",
+        "error" => "!",
+        _ => "–",
+    }
+}
+
+/// Whether a recorded run is a reason not to call a page passed.
+pub fn is_open(one: &RecordedReport) -> bool {
+    !matches!(one.standing(), Standing::Judged(Verdict::Passed) | Standing::Skipped | Standing::NotJudged)
+}
+
+fn recorded_line(report: &SuiteReport, one: &RecordedReport, animated: &[String]) -> Option<FailureLine> {
+    if !is_open(one) {
+        return None;
+    }
+    let class = class(one.standing());
+    let said = match &one.trial_state() {
+        TrialState::Errored(error) => error.message.to_string(),
+        _ => format!("recorded before, fails again{}", recorded_remark(one)),
+    };
+    let command = ReplayCommand::of_run(report, &one.recorded.key, animated);
+    let name = one.recorded.key.clone();
+    Some(FailureLine {
+        class,
+        mark: mark(class),
+        name,
+        criterion: None,
+        said,
+        worst: None,
+        command: Some(command),
+    })
+}
+
+fn group_line(report: &SuiteReport, group: &Group, animated: &[String]) -> FailureLine {
+    let (trial, finding) = group.worst;
+    let worst = finding.worst.first().map(|run| format!("{}, in {}", run_in_words(finding, run), run.key));
+    FailureLine {
+        class: verdict_word(group.verdict),
+        mark: verdict_mark(group.verdict),
+        name: group.scenario.to_string(),
+        criterion: Some(group.criterion.to_string()),
+        said: group.in_words(),
+        worst: worst.or_else(|| Some(format!("worst in {trial}"))),
+        command: group.run().map(|key| ReplayCommand::of_run(report, key, animated)),
+    }
+}
+
+/// Trials without a verdict, those of one scenario and one state together.
+fn unfinished(report: &SuiteReport, animated: &[String]) -> Vec<FailureLine> {
+    let mut lines: Vec<(FailureLine, usize)> = Vec::new();
+    for trial in &report.trials {
+        let (class, said) = match (&trial.state, judged_words(trial)) {
+            (_, Some(_)) | (TrialState::Skipped(_), _) => continue,
+            (TrialState::NotFinished(cut), None) => ("not finished", cut.to_string()),
+            (TrialState::Errored(error), None) => ("error", error.message.to_string()),
+            (TrialState::Judged(_), None) => continue,
+        };
+        let name = &trial.trial.scenario;
+        if let Some((_, count)) =
+            lines.iter_mut().find(|(known, _)| known.name == *name && known.class == class)
+        {
+            *count += 1;
+            continue;
+        }
+        let run = trial.error().and_then(|error| error.faults.first()).map(|fault| fault.run.clone());
+        let command = run.map(|key| ReplayCommand::of_run(report, &key, animated));
+        let name = name.clone();
+        let line =
+            FailureLine { class, mark: mark(class), name, criterion: None, said, worst: None, command };
+        lines.push((line, 1));
+    }
+    let told = |(line, count): (FailureLine, usize)| match count {
+        1 => line,
+        _ => FailureLine { said: format!("{} trials are so; the first: {}", count, line.said), ..line },
+    };
+    lines.into_iter().map(told).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixture::Session;
+
+    #[test]
+    fn every_trial_and_block_that_did_not_pass_is_in_it() {
+        let session = Session::new();
+        let report = session.report();
+        let (lines, more) = failure_lines(&report, &[]);
+        assert_eq!(more, 0);
+        let with = |class: &str| lines.iter().filter(|line| line.class == class).count();
+        let failing = groups(&report).len();
+        let blocks = report.blocks.iter().filter(|block| {
+            !matches!(block.standing(), Standing::Judged(Verdict::Passed) | Standing::Skipped)
+        });
+        let recorded = report.recorded.iter().filter(|one| is_open(one)).count();
+        assert!(failing > 0 && recorded > 0);
+        // The errored trial has a line of its own.
+        assert_eq!(lines.len(), failing + blocks.count() + recorded + 1);
+        assert!(with("error") >= 1);
+        let cut = session.interrupted();
+        let (lines, _) = failure_lines(&cut, &[]);
+        assert!(lines.iter().any(|line| line.class == "not finished"), "{lines:?}");
+    }
+}
