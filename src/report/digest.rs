@@ -2,7 +2,7 @@
 
 use super::format::{in_notation, quantity, share};
 use results::Outcome;
-use scenario::{Criterion, Metric, MetricKind, MetricReference, Notation, Text, Worst};
+use scenario::{Criterion, Dimension, Metric, MetricKind, MetricReference, Notation, Text, Worst};
 
 /// What a metric came to over several runs.
 pub struct Digest<'a> {
@@ -110,4 +110,15 @@ pub fn written_unit<'c>(
     let MetricKind::Quantity(dimension) = metric.kind else { return None };
     let mut about = criteria.into_iter().filter(|criterion| criterion.claim.metric() == reference);
     about.find_map(|criterion| lang::unit_in(&criterion.text, dimension))
+}
+
+/// The unit that the first of the criteria is written in that is about a quantity of a dimension.
+pub fn unit_for<'c>(
+    criteria: impl IntoIterator<Item = &'c Criterion>,
+    dimension: Dimension,
+) -> Option<Notation> {
+    let about = |criterion: &&Criterion| {
+        criterion.claim.metric().known().is_some_and(|metric| metric.kind == MetricKind::Quantity(dimension))
+    };
+    criteria.into_iter().filter(about).find_map(|criterion| lang::unit_in(&criterion.text, dimension))
 }

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 
 use super::plots::RunPlots;
 use super::still::{Still, still};
-use super::told::{RunTold, find};
+use super::told::{RunTold, find, quoted};
 use crate::drawing::{Mark, beside, stop_lines, view, world_marks};
 use crate::replay::describe;
 use files::escape::html_characters;
@@ -162,8 +162,10 @@ fn run(reports: &[SuiteReport], recording: &Recording, reason: &str, told: &RunT
         }
         user
     });
-    let events =
-        recording.events.iter().map(|event| json!([rounded(event.time), event.who, describe(&event.what)]));
+    let events = recording
+        .events
+        .iter()
+        .map(|event| json!([rounded(event.time), event.who, quoted(&describe(&event.what))]));
     let pairs = recording.pairs().into_iter().map(|pair| {
         let points: Vec<Value> =
             pair.points.iter().map(|(car, person)| json!([rounded(*car), rounded(*person)])).collect();

@@ -6,9 +6,10 @@ use serde::Serialize;
 
 use super::told::find;
 use crate::chart::{AxisQuantity, LOOKS, LegendEntry, Look, OverTime, Rule, TimeSeries};
+use crate::digest::unit_for;
 use crate::wording::comparison_rule;
 use results::{Place, Recording, SuiteReport};
-use scenario::{Aggregate, Claim, Criterion, Expression, Shape, Value};
+use scenario::{Aggregate, Claim, Criterion, Dimension, Expression, Notation, Shape, Value};
 use sim::geometry::{Footprint, apart};
 
 /// More pairs than this are not drawn: those that come nearest are.
@@ -51,31 +52,44 @@ impl RunPlots {
             users().map(series).collect()
         };
         let speeds = of(&|who| of_places(recording, who, |place| place.speed));
+        let criteria = find(reports, &recording.case.key).map_or(&[][..], |(trial, _)| &trial.trial.criteria);
         // People stop and set off at once, which says nothing and would hide the vehicles'.
         let mut accelerations = of(&|who| slopes(&of_places(recording, who, |place| place.speed)));
         accelerations.truncate(recording.case.world.vehicles.len());
         let (distances, pairs_left_out) = distances(recording);
-        let over = |title: &str, y: AxisQuantity, series: Vec<TimeSeries>, rules: Vec<Rule>| {
+        // In the unit of the criteria, as tables and charts are.
+        let over = |title: &str,
+                    name: &str,
+                    dimension: Dimension,
+                    mut series: Vec<TimeSeries>,
+                    bound: Option<(&str, f64)>| {
+            let unit = unit_for(criteria, dimension);
+            if let Some(unit) = unit {
+                let points = series.iter_mut().flat_map(|one| &mut one.points);
+                points.for_each(|point| point.1 = unit.of_si(point.1));
+            }
+            let said = unit.map_or_else(|| dimension.si_unit(), |unit| unit.symbol.as_str().to_string());
+            let y = AxisQuantity::new(name, &said);
+            let rules = bound.map_or_else(Vec::new, |(metric, sign)| bounds(criteria, metric, sign, unit));
             OverTime { title: title.into(), y, from, to, series, rules, moment }.to_svg()
         };
-        let acceleration = AxisQuantity::new("slope of the speed over 0.1 s", "m/s^2");
         let pairs = distances
             .iter()
             .map(|one| LegendEntry { swatch: one.look.swatch(true, false), label: one.name.clone() });
         let pairs: Vec<LegendEntry> = pairs.collect();
         let mut panels = vec![
-            over("Speeds", AxisQuantity::new("speed", "m/s"), speeds, Vec::new()),
+            over("Speeds", "speed", Dimension::SPEED, speeds, None),
             over(
                 "Accelerations of vehicles",
-                acceleration,
+                "slope of the speed over 0.1 s",
+                Dimension::ACCELERATION,
                 accelerations,
-                bounds(reports, recording, "max_deceleration", -1.0),
+                Some(("max_deceleration", -1.0)),
             ),
         ];
         if !distances.is_empty() {
-            let distance = AxisQuantity::new("distance", "m");
-            let rules = bounds(reports, recording, "min_distance", 1.0);
-            panels.push(over("Distances between bodies", distance, distances, rules));
+            let bound = Some(("min_distance", 1.0));
+            panels.push(over("Distances between bodies", "distance", Dimension::LENGTH, distances, bound));
         }
         let entries = users()
             .map(|(_, look, name)| LegendEntry { swatch: look.swatch(true, false), label: name.into() });
@@ -142,8 +156,7 @@ pub fn outline(recording: &Recording, who: usize, index: usize) -> Option<Footpr
 }
 
 /// The bounds on a metric that runs of its trial are held to, as lines; `sign` turns the metric into what is drawn.
-fn bounds(reports: &[SuiteReport], recording: &Recording, metric: &str, sign: f64) -> Vec<Rule> {
-    let Some((trial, _)) = find(reports, &recording.case.key) else { return Vec::new() };
+fn bounds(criteria: &[Criterion], metric: &str, sign: f64, unit: Option<Notation>) -> Vec<Rule> {
     let rule = |criterion: &Criterion| {
         let (Claim::Runs { comparison, .. }
         | Claim::Aggregate {
@@ -152,10 +165,10 @@ fn bounds(reports: &[SuiteReport], recording: &Recording, metric: &str, sign: f6
         else {
             return None;
         };
-        let Expression::Constant(Value::Number(bound)) = &comparison.bound else { return None };
-        let Rule { label, .. } = comparison_rule(comparison, None);
+        let Expression::Constant(Value::Number(_)) = &comparison.bound else { return None };
+        let Rule { value, label } = comparison_rule(comparison, unit);
         (comparison.metric.name() == metric)
-            .then(|| Rule { value: sign * bound, label: format!("{metric} {label}") })
+            .then(|| Rule { value: sign * value, label: format!("{metric} {label}") })
     };
-    trial.trial.criteria.iter().filter_map(rule).collect()
+    criteria.iter().filter_map(rule).collect()
 }

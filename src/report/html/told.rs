@@ -115,6 +115,17 @@ fn introduced(world: &World, name: &str) -> String {
     model.map_or_else(|| name.to_string(), |model| format!("{name} ({model})"))
 }
 
+/// Names between quotation marks, where a terminal has backticks.
+pub fn quoted(sentence: &str) -> String {
+    let parts = sentence.split('`').enumerate();
+    let marked = parts.map(|(index, part)| match index {
+        0 => part.to_string(),
+        _ if index % 2 == 1 => format!("“{part}"),
+        _ => format!("”{part}"),
+    });
+    marked.collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -141,5 +152,11 @@ mod tests {
         let told =
             RunTold::new(&[], &session.requests, &session.record(choose_runs(&reports[0])).remove(0).1);
         assert_eq!(told.sentence, "Nothing is asked of this run by itself.");
+    }
+
+    #[test]
+    fn names_stand_between_quotation_marks() {
+        assert_eq!(quoted("usual in `tta` and `speed` together."), "usual in “tta” and “speed” together.");
+        assert_eq!(quoted("nothing"), "nothing");
     }
 }

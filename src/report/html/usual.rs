@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::figure::HtmlFigure;
 use super::space::{MeasuredQuantity, SpaceDimension};
+use super::told::quoted;
 use crate::chart::{Danger, OnFront, PointMark};
 use crate::usual::{basis, one_in, parts, tail_text, who};
 use results::{SearchResult, SuiteReport, UsualEncounters};
@@ -117,27 +118,5 @@ fn chart(
         front: front.collect(),
         rules: objective.kept(search),
         rarest,
-    }
-}
-
-/// Names between quotation marks, where a terminal has backticks.
-fn quoted(sentence: &str) -> String {
-    let parts = sentence.split('`').enumerate();
-    let marked = parts.map(|(index, part)| match index {
-        0 => part.to_string(),
-        _ if index % 2 == 1 => format!("“{part}"),
-        _ => format!("”{part}"),
-    });
-    marked.collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_stand_between_quotation_marks() {
-        assert_eq!(quoted("usual in `tta` and `speed` together."), "usual in “tta” and “speed” together.");
-        assert_eq!(quoted("nothing"), "nothing");
     }
 }
