@@ -25,6 +25,13 @@ pub struct FailureLine {
     command: Option<ReplayCommand>,
 }
 
+impl FailureLine {
+    /// About no criterion.
+    fn plain(class: &'static str, name: String, said: String, command: Option<ReplayCommand>) -> Self {
+        Self { class, mark: mark(class), name, criterion: None, said, worst: None, command }
+    }
+}
+
 /// The lines of a suite, and how many there would be more.
 pub fn failure_lines(report: &SuiteReport, animated: &[String]) -> (Vec<FailureLine>, usize) {
     let mut lines: Vec<FailureLine> =
@@ -40,15 +47,8 @@ pub fn failure_lines(report: &SuiteReport, animated: &[String]) -> (Vec<FailureL
         let said = said.lines().next().unwrap_or_default().trim_start_matches("error: ").to_string();
         let name = format!("{} {}", block.block.kind(), block.block.name());
         let command = report.identity.block_command(&block.key);
-        lines.push(FailureLine {
-            class,
-            mark: mark(class),
-            name,
-            criterion: None,
-            said,
-            worst: None,
-            command: Some(ReplayCommand::of_block(&block.key, command)),
-        });
+        let command = ReplayCommand::of_block(&block.key, command);
+        lines.push(FailureLine::plain(class, name, said, Some(command)));
     }
     let more = lines.len().saturating_sub(MOST_LINES);
     lines.truncate(MOST_LINES);
@@ -84,22 +84,12 @@ fn recorded_line(report: &SuiteReport, one: &RecordedReport, animated: &[String]
     if !is_open(one) {
         return None;
     }
-    let class = class(one.standing());
     let said = match &one.trial_state() {
         TrialState::Errored(error) => error.message.to_string(),
         _ => format!("recorded before, fails again{}", recorded_remark(one)),
     };
     let command = ReplayCommand::of_run(report, &one.recorded.key, animated);
-    let name = one.recorded.key.clone();
-    Some(FailureLine {
-        class,
-        mark: mark(class),
-        name,
-        criterion: None,
-        said,
-        worst: None,
-        command: Some(command),
-    })
+    Some(FailureLine::plain(class(one.standing()), one.recorded.key.clone(), said, Some(command)))
 }
 
 fn group_line(report: &SuiteReport, group: &Group, animated: &[String]) -> FailureLine {
@@ -135,10 +125,7 @@ fn unfinished(report: &SuiteReport, animated: &[String]) -> Vec<FailureLine> {
         }
         let run = trial.error().and_then(|error| error.faults.first()).map(|fault| fault.run.clone());
         let command = run.map(|key| ReplayCommand::of_run(report, &key, animated));
-        let name = name.clone();
-        let line =
-            FailureLine { class, mark: mark(class), name, criterion: None, said, worst: None, command };
-        lines.push((line, 1));
+        lines.push((FailureLine::plain(class, name.clone(), said, command), 1));
     }
     let told = |(line, count): (FailureLine, usize)| match count {
         1 => line,

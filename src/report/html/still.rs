@@ -28,7 +28,7 @@ pub fn still(recording: &Recording, time: f64) -> Still {
     let index =
         (0..recording.times.len()).min_by(|one, other| away(one).total_cmp(&away(other))).unwrap_or(0);
     let places = |from: usize, to: usize| -> Vec<Vector2<f64>> {
-        let bodies = (from..to).filter_map(|who| outline(recording, who, index.min(recording.times.len())));
+        let bodies = (from..to).filter_map(|who| outline(recording, who, index));
         bodies.map(|body| body.centre).collect()
     };
     let frame = match recording.times.is_empty() {
