@@ -108,7 +108,7 @@ impl ContactAhead {
             return None;
         }
         let expected = self.expected.map(|moment| moment - time);
-        let found = moving.meets(&Moving::person(person), free, expected);
+        let found = moving.meets_from((turns, lasts), &Moving::person(person), free, expected);
         self.expected = found.map(|found| time + found);
         if self.clear.is_none_or(|clear| free <= clear.worth(time)) {
             let steady = before.is_some_and(|(earlier, before)| {
@@ -206,7 +206,7 @@ mod tests {
             let direction = if backward { Direction::Backward } else { Direction::Forward };
             let path = Path::curved(CurvedPath::new(Arc::new(line), 1.0, direction, 30.0).unwrap());
             let motion = Longitudinal { travelled, speed, acceleration: 0.0 };
-            let mut car = VehicleState { motion, path: path.clone(), length: 4.36, width: 1.82, steered: None };
+            let mut car = VehicleState::new(path.clone(), motion, (4.36, 1.82));
             let heading = Vector2::new(libm::cos(way), libm::sin(way));
             let mut person = PedestrianState {
                 position: path.to_world(Vector2::new(place, beside)), velocity: heading * walk, acceleration: Vector2::zeros(),
@@ -242,7 +242,7 @@ mod tests {
             present: true,
         };
         let motion = Longitudinal { travelled: 0.0, speed: 5.0, acceleration: 0.0 };
-        (VehicleState { motion, path, length: 4.4, width: 1.8, steered: None }, person)
+        (VehicleState::new(path, motion, (4.4, 1.8)), person)
     }
 
     #[test]

@@ -24,7 +24,7 @@ pub(super) fn gap_between(one: &Footprint, other: &Footprint) -> f64 {
 }
 
 /// The first moment between two at which a gap closes that grows no faster than `fastest` (m/s), s. It is looked at both ends and
-/// at multiples of `least` (s): what only grazes between two of them is no contact. Where it is `expected` to close it is looked at
+/// at multiples of `least` (s, a power of two): what only grazes between two of them is no contact. Where it is `expected` to close it is looked at
 /// sooner, which changes nothing of what is found.
 pub(super) fn closes(
     gap: impl Fn(f64) -> f64,
@@ -34,6 +34,8 @@ pub(super) fn closes(
     expected: Option<f64>,
 ) -> Option<f64> {
     let (mut before, mut time) = ((from, f64::INFINITY), from);
+    // A power of two, by which nothing is rounded.
+    let most = 1.0 / least;
     loop {
         let left = gap(time);
         if left <= 0.0 {
@@ -48,8 +50,8 @@ pub(super) fn closes(
             return None;
         }
         before = (time, left);
-        let following = (time / least).floor() + 1.0;
-        time = (((time + left / fastest) / least).floor().max(following) * least).min(to);
+        let following = (time * most).floor() + 1.0;
+        time = (((time + left / fastest) * most).floor().max(following) * least).min(to);
     }
 }
 

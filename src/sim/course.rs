@@ -431,6 +431,7 @@ impl Course {
             }
         }
         self.walk(step);
+        self.next.vehicles.iter_mut().for_each(VehicleState::know_pose);
         self.contacts.find(&self.now, &self.next, step);
         let ending = self.observe(time, observer);
         self.stage = ending.map_or(Stage::Ask, Stage::Ended);

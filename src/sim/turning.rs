@@ -92,7 +92,8 @@ impl<'a> Moving<'a> {
             Self::Vehicle(car) => {
                 let place = car.motion.travelled + car.motion.speed * time;
                 match car.path.course() {
-                    Some(_) => vehicle_at(&car.path, place, (car.length, car.width)),
+                    Some(_) if time != 0.0 => vehicle_at(&car.path, place, (car.length, car.width)),
+                    Some(_) => Footprint::from(*car),
                     None => Footprint { centre: car.path.point(place), ..Footprint::from(*car) },
                 }
             }
@@ -147,9 +148,20 @@ impl<'a> Moving<'a> {
     /// When it first touches another who is known not to touch it for so many seconds, and perhaps expected to touch it then: exactly
     /// while both go straight on, by looks that no contact can hide between where one turns.
     pub(super) fn meets(&self, other: &Self, free: f64, expected: Option<f64>) -> Option<f64> {
+        self.meets_from(self.turns(0.0), other, free, expected)
+    }
+
+    /// The same where it is known whether it turns now, and for how long that stays so, s.
+    pub(super) fn meets_from(
+        &self,
+        (mut one_turns, mut one_for): (bool, f64),
+        other: &Self,
+        free: f64,
+        expected: Option<f64>,
+    ) -> Option<f64> {
         let mut time = 0.0;
         loop {
-            let ((one_turns, one_for), (other_turns, other_for)) = (self.turns(time), other.turns(time));
+            let (other_turns, other_for) = other.turns(time);
             let lasts = one_for.min(other_for);
             let found = if time + lasts <= free {
                 None
@@ -172,6 +184,7 @@ impl<'a> Moving<'a> {
             if time >= HORIZON {
                 return None;
             }
+            (one_turns, one_for) = self.turns(time);
         }
     }
 }
@@ -331,7 +344,7 @@ mod tests {
 
     fn car(travelled: f64, speed: f64) -> VehicleState {
         let motion = Longitudinal { travelled, speed, acceleration: 0.0 };
-        VehicleState { motion, path: turn(), length: 4.36, width: 1.82, steered: None }
+        VehicleState::new(turn(), motion, (4.36, 1.82))
     }
 
     fn person(position: Vector2<f64>, velocity: Vector2<f64>, disc: bool) -> PedestrianState {

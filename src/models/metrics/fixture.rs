@@ -145,13 +145,11 @@ fn snapshot(world: &World, car: &Profile, walk: &Walk, time: f64) -> Snapshot {
     let person = &world.pedestrians[0];
     let (position, velocity) = walk.at(time);
     Snapshot {
-        vehicles: vec![VehicleState {
-            motion: Longitudinal { travelled, speed, acceleration: 0.0 },
-            path: world.path_of(setup),
-            length: setup.length,
-            width: setup.width,
-            steered: None,
-        }],
+        vehicles: vec![VehicleState::new(
+            world.path_of(setup),
+            Longitudinal { travelled, speed, acceleration: 0.0 },
+            (setup.length, setup.width),
+        )],
         pedestrians: vec![PedestrianState {
             position,
             velocity,

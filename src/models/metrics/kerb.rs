@@ -155,12 +155,14 @@ mod tests {
             offset: y,
             heading_error: angle,
         };
-        VehicleState {
-            motion: Longitudinal { travelled: x, speed: 5.0, acceleration: 0.0 },
-            path: Path::straight(0.0, Direction::Forward),
-            length: 4.4,
-            width: 1.8,
-            steered: Some(steered),
+        {
+            let mut state = VehicleState::new(
+                Path::straight(0.0, Direction::Forward),
+                Longitudinal { travelled: x, speed: 5.0, acceleration: 0.0 },
+                (4.4, 1.8),
+            );
+            state.steered = Some(steered);
+            state
         }
     }
 

@@ -178,8 +178,7 @@ fn meeting(
         (way, path.along(setup.start.into()) - half_across(setup.shape))
     } else {
         let motion = Longitudinal { travelled: 0.0, speed: car.speed, acceleration: 0.0 };
-        let state =
-            VehicleState { motion, path: path.clone(), length: car.length, width: car.width, steered: None };
+        let state = VehicleState::new(path.clone(), motion, (car.length, car.width));
         let Some((way, centre)) = hit_at(&state, setup, share) else {
             let message = format!("the way of {kind} `{name}` does not lead across the lane of `{other}`");
             return refused(

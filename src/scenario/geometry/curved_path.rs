@@ -265,10 +265,17 @@ impl CurvedPath {
         let (low, high) = (one.min(other), one.max(other));
         let sign = self.direction.sign();
         let beside = |curvature: f64| sign * curvature / (1.0 - curvature * self.offset);
-        let touched =
-            self.line.placed().filter(|(piece, start, _)| *start <= high && start + piece.length >= low);
+        let touched = self
+            .line
+            .placed()
+            .take_while(|(_, start, _)| *start <= high)
+            .filter(|(piece, start, _)| start + piece.length >= low);
         let beyond = low < 0.0 || high > self.line.length();
         let found = touched.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), (piece, start, _)| {
+            if piece.from == piece.to {
+                let bend = beside(piece.from);
+                return (least.min(bend), most.max(bend));
+            }
             let at = |station: f64| beside(piece.curvature((station - start).clamp(0.0, piece.length)));
             let (one, other) = (at(low), at(high));
             (least.min(one).min(other), most.max(one).max(other))

@@ -33,6 +33,8 @@ struct Written {
 #[derive(Debug, Clone, PartialEq)]
 struct PlacedPiece {
     piece: Piece,
+    /// How its curvature changes, 1/m².
+    change: f64,
     /// Station at which it begins, m.
     from: f64,
     /// Its pose there.
@@ -48,6 +50,8 @@ struct PlacedPiece {
 /// A pose along a piece, from which its neighbourhood is worked out.
 #[derive(Debug, Clone, PartialEq)]
 struct Knot {
+    /// How far along the piece, m.
+    at: f64,
     pose: Pose,
     /// Unit vector along it.
     tangent: Vector2<f64>,
@@ -246,15 +250,17 @@ enum Place<'a> {
 impl PlacedPiece {
     fn new(piece: Piece, from: f64, start: Pose) -> Self {
         let direction = start.tangent();
-        let mut placed = Self { piece, from, start, direction, middle: start.point, knots: Vec::new() };
+        let (change, middle) = (piece.change(), start.point);
+        let mut placed = Self { piece, change, from, start, direction, middle, knots: Vec::new() };
         placed.middle = placed.exact(piece.length / 2.0).point;
         let turning = piece.tightest() * piece.length;
         if turning > 0.0 {
-            let along = if piece.change() != 0.0 { piece.length / KNOTS } else { 1.0 };
+            let along = if change != 0.0 { piece.length / KNOTS } else { 1.0 };
             let parts = along.max(turning / TURN_BETWEEN).ceil().max(1.0) as usize;
             let knot = |part: usize| {
-                let pose = placed.exact(piece.length * part as f64 / parts as f64);
-                Knot { tangent: pose.tangent(), pose }
+                let at = piece.length * part as f64 / parts as f64;
+                let pose = placed.exact(at);
+                Knot { at, tangent: pose.tangent(), pose }
             };
             placed.knots = (0..=parts).map(knot).collect();
         }
@@ -278,7 +284,8 @@ impl PlacedPiece {
     fn knot(&self, way: f64) -> Option<(&Knot, f64)> {
         let parts = self.knots.len().checked_sub(1)?;
         let index = ((way / self.piece.length * parts as f64) as usize).min(parts - 1);
-        Some((&self.knots[index], way - self.piece.length * index as f64 / parts as f64))
+        let knot = &self.knots[index];
+        Some((knot, way - knot.at))
     }
 
     /// The pose after `way` m, from the knot before it.
@@ -287,7 +294,7 @@ impl PlacedPiece {
             return Pose { point: self.start.point + self.direction * way, curvature: 0.0, ..self.start };
         };
         let turned = self.turned_from(knot, rest);
-        let curvature = knot.pose.curvature + self.piece.change() * rest;
+        let curvature = knot.pose.curvature + self.change * rest;
         Pose { point: self.led_from(knot, rest), heading: knot.pose.heading + turned, curvature }
     }
 
@@ -300,18 +307,18 @@ impl PlacedPiece {
         Frame {
             point: self.led_from(knot, rest),
             tangent: turned_onto(unit_of_small(self.turned_from(knot, rest)), knot.tangent),
-            curvature: knot.pose.curvature + self.piece.change() * rest,
+            curvature: knot.pose.curvature + self.change * rest,
         }
     }
 
     /// How far it turns within `rest` m of a knot, rad.
     fn turned_from(&self, knot: &Knot, rest: f64) -> f64 {
-        (knot.pose.curvature + self.piece.change() * rest / 2.0) * rest
+        (knot.pose.curvature + self.change * rest / 2.0) * rest
     }
 
     /// Where it leads from a knot within `rest` m.
     fn led_from(&self, knot: &Knot, rest: f64) -> Vector2<f64> {
-        if self.piece.change() == 0.0 {
+        if self.change == 0.0 {
             let led = arc_of_small(self.turned_from(knot, rest));
             return knot.pose.point + turned_onto(led, knot.tangent) * rest;
         }
@@ -323,7 +330,7 @@ impl PlacedPiece {
 
     /// How far along it the point of it is that is nearest to `point`, m, and the frame there.
     fn nearest(&self, point: Vector2<f64>) -> (f64, Frame) {
-        if self.piece.change() != 0.0 {
+        if self.change != 0.0 {
             return self.nearest_of_clothoid(point);
         }
         let (offset, length) = (point - self.start.point, self.piece.length);
@@ -358,8 +365,8 @@ impl PlacedPiece {
                 nearest = (index, distance);
             }
         }
-        let from = length * nearest.0 as f64 / (self.knots.len() - 1) as f64;
         let knot = &self.knots[nearest.0];
+        let from = knot.at;
         let at_knot = Frame { point: knot.pose.point, tangent: knot.tangent, curvature: knot.pose.curvature };
         let (mut way, mut frame) = (from, at_knot);
         for _ in 0..STEPS {
