@@ -30,6 +30,18 @@ fn vehicle_at(path: &Path, place: f64, (length, width): (f64, f64)) -> Footprint
     Footprint { centre, heading, shape }
 }
 
+/// The same but for the path's roughness, and sooner.
+fn roughly_at(path: &Path, place: f64, (length, width): (f64, f64)) -> Footprint {
+    let shape = Shape::Rectangle { length, width };
+    let (centre, heading) = path.rough_pose(place);
+    Footprint { centre, heading, shape }
+}
+
+/// How far (m) a point of a vehicle may be from where it is roughly.
+fn roughness(path: &Path, (length, width): (f64, f64)) -> f64 {
+    path.roughness(libm::hypot(length, width) / 2.0)
+}
+
 /// The time (s) after which two touch first who move on from now, vehicles along their paths at the speed that they have;
 /// `None` if they never do. On bends it is not looked for beyond 10 s.
 pub(super) fn contact_ahead(
@@ -105,6 +117,25 @@ impl<'a> Moving<'a> {
         }
     }
 
+    /// The same but for [`Self::roughness`], and sooner.
+    fn roughly(&self, time: f64) -> Footprint {
+        match self {
+            Self::Vehicle(car) if time != 0.0 && car.path.course().is_some() => {
+                let place = car.motion.travelled + car.motion.speed * time;
+                roughly_at(&car.path, place, (car.length, car.width))
+            }
+            _ => self.outline(time),
+        }
+    }
+
+    /// How far (m) a point of it may be from where it is roughly.
+    fn roughness(&self) -> f64 {
+        match self {
+            Self::Vehicle(car) => roughness(&car.path, (car.length, car.width)),
+            _ => 0.0,
+        }
+    }
+
     /// After so many seconds, m/s.
     fn velocity(&self, time: f64) -> Vector2<f64> {
         match self {
@@ -169,8 +200,10 @@ impl<'a> Moving<'a> {
                 let end = (time + lasts).min(HORIZON);
                 let from = look_before(free, LEAST_AHEAD).max(time);
                 let gap = |time: f64| gap_between(&self.outline(time), &other.outline(time));
+                let rough = self.roughness() + other.roughness();
+                let roughly = |time: f64| gap_between(&self.roughly(time), &other.roughly(time)) - rough;
                 let fastest = self.fastest(from, end) + other.fastest(from, end);
-                closes(gap, fastest, (from, end), LEAST_AHEAD, expected)
+                closes(gap, roughly, fastest, (from, end), LEAST_AHEAD, expected)
             } else {
                 let velocity = other.velocity(time) - self.velocity(time);
                 let met = self.outline(time).first_contact(&other.outline(time), velocity);
@@ -279,7 +312,7 @@ pub(super) fn touch_on_a_bend(
         Solid::Box(_) => 0.0,
     };
     let gap = |time: f64| gap_between(&outline(first, time), &outline(second, time));
-    closes(gap, fastest(first) + fastest(second), (0.0, duration), LEAST_IN_STEP, None)
+    closes(gap, |_| f64::NEG_INFINITY, fastest(first) + fastest(second), (0.0, duration), LEAST_IN_STEP, None)
 }
 
 /// Whether a body turns between two states.
@@ -304,12 +337,13 @@ pub(crate) fn touched_between(
 ) -> (Option<f64>, Option<f64>) {
     let diagonal = libm::hypot(size.0, size.1);
     let (low, high) = (place - diagonal - outline.radius(), place + diagonal + outline.radius());
-    let fastest = path.most_moved((low, high), size);
+    let (fastest, rough) = (path.most_moved((low, high), size), roughness(path, size));
     // Inwards from where it cannot touch, no farther than what is left between the two; backwards in places that are counted backwards.
     let touched = |from: f64, to: f64| {
         let sign = (to - from).signum();
         let gap = |place: f64| gap_between(&vehicle_at(path, sign * place, size), outline);
-        closes(gap, fastest, (sign * from, sign * to), LEAST_WAY, None).map(|place| sign * place)
+        let roughly = |place: f64| gap_between(&roughly_at(path, sign * place, size), outline) - rough;
+        closes(gap, roughly, fastest, (sign * from, sign * to), LEAST_WAY, None).map(|place| sign * place)
     };
     match known {
         None => {

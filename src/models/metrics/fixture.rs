@@ -6,7 +6,7 @@ use super::metrics;
 use scenario::{Appearance, MetricReference, Settings, Value, World};
 use sim::measure::{FreeFlow, Measurement, Open, Presence, Reading};
 use sim::{
-    Contacts, Ending, Longitudinal, Mode, Observer, PedestrianState, Snapshot, Step, StopReason,
+    Abreast, Contacts, Ending, Longitudinal, Mode, Observer, PedestrianState, Snapshot, Step, StopReason,
     VehicleState, fixture,
 };
 
@@ -102,6 +102,7 @@ fn observe(world: &World, requests: &[MetricReference], car: &Profile, walk: &Wa
             motions: &[],
             contacts: contacts.found(),
             sightings: &[],
+            abreast: &Abreast::default(),
         };
         if let Some(moment) = collision {
             measurement.observe(&Step { duration: moment, after: &step.at(moment), ..step });
