@@ -8,6 +8,7 @@
 use scenario::agent::{PedestrianState, VehicleState};
 
 use super::closing::{ROUNDING_OF_GAPS, gap_between};
+use super::geometry::Footprint;
 use super::turning::{HORIZON, Moving};
 
 /// Looks at a vehicle and a pedestrian ahead, from step to step.
@@ -39,16 +40,19 @@ impl Motion {
 
     /// How far outlines are at most from where they were taken to be who moved as `self` so many seconds ago and move as `other` now: now,
     /// m, and more for every second from now on, m/s. `most` is how far any point of the vehicle moves for a metre along its path. `None`
-    /// if somebody has turned.
+    /// if somebody has become another body.
     fn apart(&self, other: &Self, elapsed: f64, most: f64) -> Option<(f64, f64)> {
-        if self.person.heading != other.person.heading || self.person.shape != other.person.shape {
+        if self.person.shape != other.person.shape {
             return None;
         }
+        // Who walks on as before turns by what rounding does to their heading.
+        let turned =
+            (other.person.heading - self.person.heading).norm() * Footprint::from(&self.person).radius();
         let along = (other.travelled - self.travelled - self.speed * elapsed).abs();
         let walked = other.person.position - self.person.position - self.person.velocity * elapsed;
         let faster = (other.speed - self.speed).abs();
         let walks = (other.person.velocity - self.person.velocity).norm();
-        Some((most * along + walked.norm(), most * faster + walks))
+        Some((most * along + walked.norm() + turned, most * faster + walks))
     }
 }
 
@@ -198,7 +202,7 @@ mod tests {
         fn looking_from_step_to_step_finds_what_looking_anew_finds(
             (travelled, speed, brake) in (-25.0..10.0, 0.5..9.0, -0.4..0.2_f64), (place, beside) in (-5.0..30.0, -6.0..6.0),
             (walk, way, change) in (0.0..2.0, 0.0..6.3, -0.02..0.02_f64), (from, to) in (0_usize..160, 0_usize..160),
-            backward: bool, turned in 0_usize..200,
+            backward: bool, turned in 0_usize..200, turning in -0.002..0.002_f64,
         ) {
             let [one, arc, other] = Piece::turn(1500.0, 9.0, 0.36, 0.85);
             let pieces = [Piece::line(30.0), one, arc, other, Piece::line(20.0)];
@@ -219,6 +223,8 @@ mod tests {
                     car.motion.speed = (car.motion.speed + brake * 0.5).clamp(0.0, 9.0);
                     person.velocity += heading * change;
                 }
+                let aside = Vector2::new(-person.heading.y, person.heading.x);
+                person.heading = (person.heading + aside * turning).normalize();
                 if step as usize == turned {
                     (person.velocity, person.heading) = (-person.velocity, -person.heading);
                 }
