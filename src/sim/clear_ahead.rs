@@ -81,7 +81,7 @@ const LEAST_LEFT: f64 = 0.8;
 const LOOKS: usize = 48;
 
 /// Whoever moves otherwise by more than this at the horizon from one step to the next is not looked ahead for, m.
-const UNSTEADY: f64 = 0.02;
+const UNSTEADY: f64 = 1.0;
 
 impl ContactAhead {
     /// Of a pair of which the vehicle follows a path that bends, or does not; allocates what all looks need.
@@ -137,7 +137,8 @@ impl Clear {
     ) -> Option<Self> {
         let other = Moving::person(person);
         let fastest = moving.fastest(0.0, AHEAD) + other.fastest(0.0, AHEAD);
-        let gap = |time: f64| gap_between(&moving.outline(time), &other.outline(time));
+        let rough = moving.roughness() + other.roughness();
+        let gap = |time: f64| gap_between(&moving.roughly(time), &other.roughly(time)) - rough;
         let (mut time, mut left) = (0.0, gap(0.0));
         stretches.clear();
         while time < AHEAD && left >= NEAR && stretches.len() < LOOKS {

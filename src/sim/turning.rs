@@ -118,7 +118,7 @@ impl<'a> Moving<'a> {
     }
 
     /// The same but for [`Self::roughness`], and sooner.
-    fn roughly(&self, time: f64) -> Footprint {
+    pub(super) fn roughly(&self, time: f64) -> Footprint {
         match self {
             Self::Vehicle(car) if time != 0.0 && car.path.course().is_some() => {
                 let place = car.motion.travelled + car.motion.speed * time;
@@ -129,7 +129,7 @@ impl<'a> Moving<'a> {
     }
 
     /// How far (m) a point of it may be from where it is roughly.
-    fn roughness(&self) -> f64 {
+    pub(super) fn roughness(&self) -> f64 {
         match self {
             Self::Vehicle(car) => roughness(&car.path, (car.length, car.width)),
             _ => 0.0,
