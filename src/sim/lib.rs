@@ -53,7 +53,7 @@ pub use course::{
     Course, Fault, Progress, has_arrived, has_crossed, longest_run, meeting_place, simulate, walking_time,
 };
 pub use fingerprint::Fingerprint;
-pub use hit::hit_at;
+pub use hit::{hit_along, hit_at};
 pub use observer::{Ending, Observer, Sighting, Step, StopReason};
 pub use order::{LONGEST_PLAN, Order, SpeedPlan, SpeedPlanError, SteeredOrder, toward};
 pub use road_users::{Driven, Driver, RoadUsers};
