@@ -25,7 +25,7 @@ const LAST_WAY: f64 = 0.1;
 const STEPS: usize = 60;
 
 /// … they end where the share is right to this.
-const ROUNDING_OF_SHARES: f64 = 1e-12;
+const ROUNDING_OF_SHARES: f64 = 1e-9;
 
 /// Lets everybody in the world who is to meet a vehicle appear in time for it.
 ///
