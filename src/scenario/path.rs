@@ -169,6 +169,28 @@ impl Path {
         }
     }
 
+    /// The same, sooner: no point of a body that reaches so far (m) from its centre is more than [`Self::roughness`] from where it is.
+    pub fn rough_pose(&self, place: f64) -> (Vector2<f64>, Vector2<f64>) {
+        match &self.0 {
+            Kind::Straight { .. } => self.pose(place),
+            Kind::Curved { course, behind } => {
+                let frame = course.rough_frame(place - behind);
+                (frame.point + frame.tangent * *behind, frame.tangent)
+            }
+        }
+    }
+
+    /// How far (m) a point of a body may be from where [`Self::rough_pose`] has it that is at most `reach` m from its centre.
+    pub fn roughness(&self, reach: f64) -> f64 {
+        match &self.0 {
+            Kind::Straight { .. } => 0.0,
+            Kind::Curved { course, behind } => {
+                let (point, tangent) = course.roughness();
+                point + (behind + reach) * tangent
+            }
+        }
+    }
+
     /// The same of a body that is at a place, the point of it that would follow the path so far (m) to the left of it, and turned to the
     /// left of its direction (rad).
     pub fn pose_beside(&self, place: f64, offset: f64, angle: f64) -> (Vector2<f64>, Vector2<f64>) {
@@ -284,6 +306,14 @@ impl Path {
             Kind::Straight { .. } => (width / 2.0, width / 2.0),
             // Its far end is as far from the point that follows as that of a longer body about it.
             Kind::Curved { course, behind } => course.swept(place, (length + 2.0 * behind, width)),
+        }
+    }
+
+    /// The most that it sweeps anywhere.
+    pub fn most_swept(&self, (length, width): (f64, f64)) -> (f64, f64) {
+        match &self.0 {
+            Kind::Straight { .. } => (width / 2.0, width / 2.0),
+            Kind::Curved { course, behind } => course.most_swept((length + 2.0 * behind, width)),
         }
     }
 

@@ -8,6 +8,7 @@
 use scenario::agent::{PedestrianState, VehicleState};
 
 use super::closing::{ROUNDING_OF_GAPS, gap_between};
+use super::geometry::Footprint;
 use super::turning::{HORIZON, Moving};
 
 /// Looks at a vehicle and a pedestrian ahead, from step to step.
@@ -39,16 +40,19 @@ impl Motion {
 
     /// How far outlines are at most from where they were taken to be who moved as `self` so many seconds ago and move as `other` now: now,
     /// m, and more for every second from now on, m/s. `most` is how far any point of the vehicle moves for a metre along its path. `None`
-    /// if somebody has turned.
+    /// if somebody has become another body.
     fn apart(&self, other: &Self, elapsed: f64, most: f64) -> Option<(f64, f64)> {
-        if self.person.heading != other.person.heading || self.person.shape != other.person.shape {
+        if self.person.shape != other.person.shape {
             return None;
         }
+        // Who walks on as before turns by what rounding does to their heading.
+        let turned =
+            (other.person.heading - self.person.heading).norm() * Footprint::from(&self.person).radius();
         let along = (other.travelled - self.travelled - self.speed * elapsed).abs();
         let walked = other.person.position - self.person.position - self.person.velocity * elapsed;
         let faster = (other.speed - self.speed).abs();
         let walks = (other.person.velocity - self.person.velocity).norm();
-        Some((most * along + walked.norm(), most * faster + walks))
+        Some((most * along + walked.norm() + turned, most * faster + walks))
     }
 }
 
@@ -77,7 +81,7 @@ const LEAST_LEFT: f64 = 0.8;
 const LOOKS: usize = 48;
 
 /// Whoever moves otherwise by more than this at the horizon from one step to the next is not looked ahead for, m.
-const UNSTEADY: f64 = 0.02;
+const UNSTEADY: f64 = 1.0;
 
 impl ContactAhead {
     /// Of a pair of which the vehicle follows a path that bends, or does not; allocates what all looks need.
@@ -108,7 +112,7 @@ impl ContactAhead {
             return None;
         }
         let expected = self.expected.map(|moment| moment - time);
-        let found = moving.meets(&Moving::person(person), free, expected);
+        let found = moving.meets_from((turns, lasts), &Moving::person(person), free, expected);
         self.expected = found.map(|found| time + found);
         if self.clear.is_none_or(|clear| free <= clear.worth(time)) {
             let steady = before.is_some_and(|(earlier, before)| {
@@ -133,7 +137,8 @@ impl Clear {
     ) -> Option<Self> {
         let other = Moving::person(person);
         let fastest = moving.fastest(0.0, AHEAD) + other.fastest(0.0, AHEAD);
-        let gap = |time: f64| gap_between(&moving.outline(time), &other.outline(time));
+        let rough = moving.roughness() + other.roughness();
+        let gap = |time: f64| gap_between(&moving.roughly(time), &other.roughly(time)) - rough;
         let (mut time, mut left) = (0.0, gap(0.0));
         stretches.clear();
         while time < AHEAD && left >= NEAR && stretches.len() < LOOKS {
@@ -198,7 +203,7 @@ mod tests {
         fn looking_from_step_to_step_finds_what_looking_anew_finds(
             (travelled, speed, brake) in (-25.0..10.0, 0.5..9.0, -0.4..0.2_f64), (place, beside) in (-5.0..30.0, -6.0..6.0),
             (walk, way, change) in (0.0..2.0, 0.0..6.3, -0.02..0.02_f64), (from, to) in (0_usize..160, 0_usize..160),
-            backward: bool, turned in 0_usize..200,
+            backward: bool, turned in 0_usize..200, turning in -0.002..0.002_f64,
         ) {
             let [one, arc, other] = Piece::turn(1500.0, 9.0, 0.36, 0.85);
             let pieces = [Piece::line(30.0), one, arc, other, Piece::line(20.0)];
@@ -206,7 +211,7 @@ mod tests {
             let direction = if backward { Direction::Backward } else { Direction::Forward };
             let path = Path::curved(CurvedPath::new(Arc::new(line), 1.0, direction, 30.0).unwrap());
             let motion = Longitudinal { travelled, speed, acceleration: 0.0 };
-            let mut car = VehicleState { motion, path: path.clone(), length: 4.36, width: 1.82, steered: None };
+            let mut car = VehicleState::new(path.clone(), motion, (4.36, 1.82));
             let heading = Vector2::new(libm::cos(way), libm::sin(way));
             let mut person = PedestrianState {
                 position: path.to_world(Vector2::new(place, beside)), velocity: heading * walk, acceleration: Vector2::zeros(),
@@ -219,6 +224,8 @@ mod tests {
                     car.motion.speed = (car.motion.speed + brake * 0.5).clamp(0.0, 9.0);
                     person.velocity += heading * change;
                 }
+                let aside = Vector2::new(-person.heading.y, person.heading.x);
+                person.heading = (person.heading + aside * turning).normalize();
                 if step as usize == turned {
                     (person.velocity, person.heading) = (-person.velocity, -person.heading);
                 }
@@ -242,7 +249,7 @@ mod tests {
             present: true,
         };
         let motion = Longitudinal { travelled: 0.0, speed: 5.0, acceleration: 0.0 };
-        (VehicleState { motion, path, length: 4.4, width: 1.8, steered: None }, person)
+        (VehicleState::new(path, motion, (4.4, 1.8)), person)
     }
 
     #[test]

@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use nalgebra::Vector2;
 
+use super::abreast::Abreast;
 use super::crossings_ahead::CrossingsAhead;
 use super::curvature::CurvatureChanges;
 use super::observer::Sighting;
@@ -27,8 +28,6 @@ const FAR_AWAY: f64 = 1e6;
 pub(super) struct Control {
     /// Of everybody who is no vehicle, in the order of the world.
     kinds: Vec<RoadUserKind>,
-    /// Where each of them was the last time, and where that lies seen from a path that bends.
-    located: Vec<Option<(Vector2<f64>, Located)>>,
     observation: Observation,
     /// What perception leaves of it, if there is any.
     view: Option<Observation>,
@@ -126,7 +125,6 @@ impl Control {
             },
             view: driven.perception.is_some().then(observed),
             kinds: world.pedestrians.iter().map(|setup| setup.kind).collect(),
-            located: vec![None; world.pedestrians.len()],
             held: Held::Command(Command::Acceleration(0.0)),
             curvature: None,
             later: VecDeque::new(),
@@ -293,10 +291,10 @@ impl Control {
         driven: &mut Driven,
         time: f64,
         me: usize,
-        now: &Snapshot,
+        (now, abreast): (&Snapshot, &mut Abreast),
         road: &Road,
     ) -> Result<Option<Mode>, ControllerError> {
-        self.see(time, me, now, road);
+        self.see(time, me, (now, abreast), road);
         if let Some(perception) = &mut driven.perception {
             perception.look(me, now);
         }
@@ -411,9 +409,9 @@ impl Control {
     }
 
     /// Fills the observation with the states of `now` as the ego sees them.
-    fn see(&mut self, time: f64, me: usize, now: &Snapshot, road: &Road) {
+    fn see(&mut self, time: f64, me: usize, (now, abreast): (&Snapshot, &mut Abreast), road: &Road) {
         let ego = &now.vehicles[me];
-        let (seen, kinds, located) = (&mut self.observation, &self.kinds, &mut self.located);
+        let (seen, kinds) = (&mut self.observation, &self.kinds);
         seen.time = time;
         seen.ego.speed = ego.motion.speed;
         seen.ego.acceleration = ego.motion.acceleration;
@@ -430,7 +428,10 @@ impl Control {
         seen.pedestrians.clear();
         seen.pedestrians.extend(now.pedestrians.iter().enumerate().filter(|(_, state)| state.present).map(
             |(id, state)| {
-                let seen = Seen::at(ego, state.position, &mut located[id]);
+                let seen = match ego.path.course() {
+                    None => Seen::new(ego, state.position),
+                    Some(_) => Seen::abreast(ego, abreast.locate(me, &ego.path, id, state.position)),
+                };
                 SeenPedestrian {
                     id,
                     kind: kinds[id],
@@ -474,16 +475,6 @@ impl<'a> Seen<'a> {
             return Self { ego, position, abreast: None };
         }
         Self::abreast(ego, ego.path.locate(place))
-    }
-
-    /// The same where it is known what was found the last time: who stands is abreast of the same place.
-    fn at(ego: &'a VehicleState, place: Vector2<f64>, last: &mut Option<(Vector2<f64>, Located)>) -> Self {
-        if ego.path.course().is_none() {
-            return Self::new(ego, place);
-        }
-        let known = last.filter(|(known, _)| *known == place);
-        let (_, abreast) = *last.insert(known.unwrap_or_else(|| (place, ego.path.locate(place))));
-        Self::abreast(ego, abreast)
     }
 
     fn abreast(ego: &'a VehicleState, abreast: Located) -> Self {

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use nalgebra::Vector2;
 use thiserror::Error;
 
+use super::abreast::Abreast;
 use super::contact::Contacts;
 use super::control::{Control, TIME_TOLERANCE};
 use super::keep_clear::KeepClear;
@@ -135,6 +136,7 @@ pub struct Course {
     legs: Vec<Legs>,
     /// The way (m) of each pedestrian across the path of each vehicle, one after the other, where paths bend.
     across: Vec<f64>,
+    abreast: Abreast,
     /// The place at which each pedestrian meets the path of the vehicle that it waits for, m.
     meetings: Vec<f64>,
     motions: Vec<Motion>,
@@ -189,6 +191,7 @@ impl Course {
             ways,
             legs: world.pedestrians.iter().map(Legs::new).collect(),
             across: ways_across(&world),
+            abreast: Abreast::new(&world),
             meetings: world.pedestrians.iter().map(|setup| meeting_place(&world, setup)).collect(),
             pedestrian_modes: vec![Mode::NONE; world.pedestrians.len()],
             vehicle_modes: vec![Mode::NONE; world.vehicles.len()],
@@ -346,7 +349,7 @@ impl Course {
             if control.is_due(time) {
                 let driven = &mut self.users.vehicles[vehicle];
                 let road = self.world.road_of(&self.world.vehicles[vehicle]);
-                let done = control.decide(driven, time, vehicle, state, road);
+                let done = control.decide(driven, time, vehicle, (state, &mut self.abreast), road);
                 if control.looks() {
                     let moment = time - self.index as f64 * self.world.step;
                     control.tell_sightings(vehicle, moment, &mut self.sightings);
@@ -431,6 +434,7 @@ impl Course {
             }
         }
         self.walk(step);
+        self.next.vehicles.iter_mut().for_each(VehicleState::know_pose);
         self.contacts.find(&self.now, &self.next, step);
         let ending = self.observe(time, observer);
         self.stage = ending.map_or(Stage::Ask, Stage::Ended);
@@ -443,6 +447,7 @@ impl Course {
         if let Some(moment) = collision {
             self.contacts.end_at(moment);
         }
+        self.locate();
         let step = Step {
             time,
             duration: self.world.step,
@@ -454,6 +459,7 @@ impl Course {
             motions: &self.motions,
             contacts: self.contacts.found(),
             sightings: &self.sightings,
+            abreast: &self.abreast,
         };
         if let Some(moment) = collision {
             // Once in a run, its last step; so it may allocate.
@@ -479,6 +485,20 @@ impl Course {
         let ending = Ending { reason, time: self.time() };
         observer.end(&ending, &self.now);
         Some(ending)
+    }
+
+    /// Where everybody is at the end of the step, seen from vehicles whose paths bend.
+    fn locate(&mut self) {
+        if self.abreast.is_empty() {
+            return;
+        }
+        for (vehicle, car) in self.next.vehicles.iter().enumerate() {
+            for (pedestrian, person) in self.next.pedestrians.iter().enumerate() {
+                if person.present && car.path.course().is_some() {
+                    self.abreast.locate(vehicle, &car.path, pedestrian, person.position);
+                }
+            }
+        }
     }
 
     /// At which the step under way begins, s.

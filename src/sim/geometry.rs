@@ -315,13 +315,11 @@ mod tests {
     use scenario::{Direction, Path};
 
     fn car() -> VehicleState {
-        VehicleState {
-            motion: Longitudinal { travelled: 0.0, speed: 0.0, acceleration: 0.0 },
-            path: Path::straight(0.0, Direction::Forward),
-            length: 4.0,
-            width: 2.0,
-            steered: None,
-        }
+        VehicleState::new(
+            Path::straight(0.0, Direction::Forward),
+            Longitudinal { travelled: 0.0, speed: 0.0, acceleration: 0.0 },
+            (4.0, 2.0),
+        )
     }
 
     fn person(x: f64, y: f64, turn: f64, shape: Shape) -> PedestrianState {

@@ -1,12 +1,12 @@
-//! Where a vehicle's front hits somebody at a share of its width, whatever the angle at which their ways meet.
+//! Where a vehicle's front hits somebody at a share of its width, whatever the angle at which their ways meet, and along bends.
 
 use nalgebra::Vector2;
 
-use super::geometry::{Footprint, distance};
+use super::geometry::{Footprint, apart, distance};
 use super::start::waiting_outside;
 use super::way::Way;
 use scenario::agent::{PedestrianState, VehicleState};
-use scenario::{CROSSES, PedestrianSetup};
+use scenario::{CROSSES, PedestrianSetup, Shape};
 
 /// The moment of a hit is looked for in steps of this, m, …
 const LOOKS: f64 = 0.02;
@@ -38,13 +38,49 @@ pub fn hit_at(car: &VehicleState, setup: &PedestrianSetup, share: f64) -> Option
         person.position = start + way * walked;
         (sideways.abs() >= CROSSES).then(|| (walked, distance(&car, &person)))
     };
-    let from = met - 2.0 * reach;
+    let touching = first_touch(|place| at(place).map(|(_, gap)| gap), met, reach)?;
+    Some((at(touching)?.0, touching))
+}
+
+/// A front that is so near to a body is what touches it, m.
+const AT_THE_FRONT: f64 = 1e-6;
+
+/// At which place (m) the vehicle's centre is when it first touches somebody who follows a course and has walked so far (m) along it, and at which share
+/// of the vehicle's width their reference point is then, from the side of the road that they are on. `None` if they follow none, and if it
+/// passes them or touches them with a flank.
+pub fn hit_along(car: &VehicleState, setup: &PedestrianSetup, walked: f64) -> Option<(f64, f64)> {
+    let course = setup.follows.as_ref()?;
+    let whole = Way::new(setup);
+    let position = course.point(course.along(setup.start.into()) + walked);
+    let heading = whole.ahead(position);
+    let person = PedestrianState { present: true, position, heading, ..waiting_outside((setup, &whole)) };
+    let reach = libm::hypot(car.length, car.width) + 2.0 * Footprint::from(&person).radius();
+    let mut driving = car.clone();
+    let gap = |place: f64| {
+        driving.motion.travelled = place;
+        Some(distance(&driving, &person))
+    };
+    let touching = first_touch(gap, car.path.along(position), reach)?;
+    let (centre, ahead) = car.path.pose(touching);
+    let shape = Shape::Rectangle { length: 0.0, width: car.width };
+    let front = Footprint { centre: centre + ahead * (car.length / 2.0), heading: ahead, shape };
+    if apart(&front, &Footprint::from(&person)) > AT_THE_FRONT {
+        return None;
+    }
+    let reference = position + heading * setup.reference;
+    let side = setup.side.walking_sign() * car.path.locate(reference).far();
+    Some((touching, 0.5 + side * ahead.perp(&(reference - centre)) / car.width))
+}
+
+/// The first place (m) within twice a reach (m) of a middle at which a gap is closed that was open before it; it is `None` where there is none.
+fn first_touch(mut gap: impl FnMut(f64) -> Option<f64>, middle: f64, reach: f64) -> Option<f64> {
+    let from = middle - 2.0 * reach;
     let looks = (4.0 * reach / LOOKS).ceil() as usize;
     let (mut apart, mut touching) = (None, None);
     for look in 0..=looks {
         let place = from + look as f64 * LOOKS;
-        match at(place) {
-            Some((_, gap)) if gap > 0.0 => apart = Some(place),
+        match gap(place) {
+            Some(gap) if gap > 0.0 => apart = Some(place),
             Some(_) if apart.is_some() => {
                 touching = Some(place);
                 break;
@@ -58,10 +94,10 @@ pub fn hit_at(car: &VehicleState, setup: &PedestrianSetup, share: f64) -> Option
         if middle <= apart || middle >= touching {
             break;
         }
-        match at(middle) {
-            Some((_, gap)) if gap <= 0.0 => touching = middle,
+        match gap(middle) {
+            Some(gap) if gap <= 0.0 => touching = middle,
             _ => apart = middle,
         }
     }
-    Some((at(touching)?.0, touching))
+    Some(touching)
 }

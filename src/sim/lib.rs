@@ -15,6 +15,7 @@
 // Their failing is a panic: a closed pipe would end the program with the code of a bug.
 #![deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro)]
 
+mod abreast;
 mod clear_ahead;
 mod closing;
 mod contact;
@@ -46,12 +47,13 @@ mod turning;
 mod wait_for_green;
 mod way;
 
+pub use abreast::Abreast;
 pub use contact::{Contacts, Touch};
 pub use course::{
     Course, Fault, Progress, has_arrived, has_crossed, longest_run, meeting_place, simulate, walking_time,
 };
 pub use fingerprint::Fingerprint;
-pub use hit::hit_at;
+pub use hit::{hit_along, hit_at};
 pub use observer::{Ending, Observer, Sighting, Step, StopReason};
 pub use order::{LONGEST_PLAN, Order, SpeedPlan, SpeedPlanError, SteeredOrder, toward};
 pub use road_users::{Driven, Driver, RoadUsers};

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::abreast::Abreast;
 use super::contact::Touch;
 use super::solid::Solid;
 use scenario::agent::{Mode, Motion, Snapshot, velocity_inside};
@@ -41,6 +42,8 @@ pub struct Step<'a> {
     pub contacts: &'a [Touch],
     /// Who comes into the sight of a vehicle that does not see everything, and who is lost from it, during the step.
     pub sightings: &'a [Sighting],
+    /// Where everybody is at its end, seen from vehicles whose paths bend.
+    pub abreast: &'a Abreast,
 }
 
 /// A vehicle's controller is shown somebody from a decision on whom it was not shown at the one before, or the other way round. With latency that is

@@ -95,13 +95,7 @@ pub(super) fn placed(world: &World, setup: &VehicleSetup, settled: Longitudinal)
             path.at_line(x) - time * settled.speed - ahead
         }
     };
-    VehicleState {
-        motion: Longitudinal { travelled, ..settled },
-        path,
-        length: setup.length,
-        width: setup.width,
-        steered: None,
-    }
+    VehicleState::new(path, Longitudinal { travelled, ..settled }, (setup.length, setup.width))
 }
 
 /// Where the ways of two vehicles cross, the first's places first: from where they begin to the finish line.

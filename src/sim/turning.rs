@@ -30,6 +30,18 @@ fn vehicle_at(path: &Path, place: f64, (length, width): (f64, f64)) -> Footprint
     Footprint { centre, heading, shape }
 }
 
+/// The same but for the path's roughness, and sooner.
+fn roughly_at(path: &Path, place: f64, (length, width): (f64, f64)) -> Footprint {
+    let shape = Shape::Rectangle { length, width };
+    let (centre, heading) = path.rough_pose(place);
+    Footprint { centre, heading, shape }
+}
+
+/// How far (m) a point of a vehicle may be from where it is roughly.
+fn roughness(path: &Path, (length, width): (f64, f64)) -> f64 {
+    path.roughness(libm::hypot(length, width) / 2.0)
+}
+
 /// The time (s) after which two touch first who move on from now, vehicles along their paths at the speed that they have;
 /// `None` if they never do. On bends it is not looked for beyond 10 s.
 pub(super) fn contact_ahead(
@@ -92,7 +104,8 @@ impl<'a> Moving<'a> {
             Self::Vehicle(car) => {
                 let place = car.motion.travelled + car.motion.speed * time;
                 match car.path.course() {
-                    Some(_) => vehicle_at(&car.path, place, (car.length, car.width)),
+                    Some(_) if time != 0.0 => vehicle_at(&car.path, place, (car.length, car.width)),
+                    Some(_) => Footprint::from(*car),
                     None => Footprint { centre: car.path.point(place), ..Footprint::from(*car) },
                 }
             }
@@ -101,6 +114,25 @@ impl<'a> Moving<'a> {
                 Footprint { centre: person.position + person.velocity * time, ..Footprint::from(*person) }
             }
             Self::Box(body) => Footprint::from(*body),
+        }
+    }
+
+    /// The same but for [`Self::roughness`], and sooner.
+    pub(super) fn roughly(&self, time: f64) -> Footprint {
+        match self {
+            Self::Vehicle(car) if time != 0.0 && car.path.course().is_some() => {
+                let place = car.motion.travelled + car.motion.speed * time;
+                roughly_at(&car.path, place, (car.length, car.width))
+            }
+            _ => self.outline(time),
+        }
+    }
+
+    /// How far (m) a point of it may be from where it is roughly.
+    pub(super) fn roughness(&self) -> f64 {
+        match self {
+            Self::Vehicle(car) => roughness(&car.path, (car.length, car.width)),
+            _ => 0.0,
         }
     }
 
@@ -147,9 +179,20 @@ impl<'a> Moving<'a> {
     /// When it first touches another who is known not to touch it for so many seconds, and perhaps expected to touch it then: exactly
     /// while both go straight on, by looks that no contact can hide between where one turns.
     pub(super) fn meets(&self, other: &Self, free: f64, expected: Option<f64>) -> Option<f64> {
+        self.meets_from(self.turns(0.0), other, free, expected)
+    }
+
+    /// The same where it is known whether it turns now, and for how long that stays so, s.
+    pub(super) fn meets_from(
+        &self,
+        (mut one_turns, mut one_for): (bool, f64),
+        other: &Self,
+        free: f64,
+        expected: Option<f64>,
+    ) -> Option<f64> {
         let mut time = 0.0;
         loop {
-            let ((one_turns, one_for), (other_turns, other_for)) = (self.turns(time), other.turns(time));
+            let (other_turns, other_for) = other.turns(time);
             let lasts = one_for.min(other_for);
             let found = if time + lasts <= free {
                 None
@@ -157,8 +200,10 @@ impl<'a> Moving<'a> {
                 let end = (time + lasts).min(HORIZON);
                 let from = look_before(free, LEAST_AHEAD).max(time);
                 let gap = |time: f64| gap_between(&self.outline(time), &other.outline(time));
+                let rough = self.roughness() + other.roughness();
+                let roughly = |time: f64| gap_between(&self.roughly(time), &other.roughly(time)) - rough;
                 let fastest = self.fastest(from, end) + other.fastest(from, end);
-                closes(gap, fastest, (from, end), LEAST_AHEAD, expected)
+                closes(gap, roughly, fastest, (from, end), LEAST_AHEAD, expected)
             } else {
                 let velocity = other.velocity(time) - self.velocity(time);
                 let met = self.outline(time).first_contact(&other.outline(time), velocity);
@@ -172,6 +217,7 @@ impl<'a> Moving<'a> {
             if time >= HORIZON {
                 return None;
             }
+            (one_turns, one_for) = self.turns(time);
         }
     }
 }
@@ -266,7 +312,7 @@ pub(super) fn touch_on_a_bend(
         Solid::Box(_) => 0.0,
     };
     let gap = |time: f64| gap_between(&outline(first, time), &outline(second, time));
-    closes(gap, fastest(first) + fastest(second), (0.0, duration), LEAST_IN_STEP, None)
+    closes(gap, |_| f64::NEG_INFINITY, fastest(first) + fastest(second), (0.0, duration), LEAST_IN_STEP, None)
 }
 
 /// Whether a body turns between two states.
@@ -291,12 +337,13 @@ pub(crate) fn touched_between(
 ) -> (Option<f64>, Option<f64>) {
     let diagonal = libm::hypot(size.0, size.1);
     let (low, high) = (place - diagonal - outline.radius(), place + diagonal + outline.radius());
-    let fastest = path.most_moved((low, high), size);
+    let (fastest, rough) = (path.most_moved((low, high), size), roughness(path, size));
     // Inwards from where it cannot touch, no farther than what is left between the two; backwards in places that are counted backwards.
     let touched = |from: f64, to: f64| {
         let sign = (to - from).signum();
         let gap = |place: f64| gap_between(&vehicle_at(path, sign * place, size), outline);
-        closes(gap, fastest, (sign * from, sign * to), LEAST_WAY, None).map(|place| sign * place)
+        let roughly = |place: f64| gap_between(&roughly_at(path, sign * place, size), outline) - rough;
+        closes(gap, roughly, fastest, (sign * from, sign * to), LEAST_WAY, None).map(|place| sign * place)
     };
     match known {
         None => {
@@ -331,7 +378,7 @@ mod tests {
 
     fn car(travelled: f64, speed: f64) -> VehicleState {
         let motion = Longitudinal { travelled, speed, acceleration: 0.0 };
-        VehicleState { motion, path: turn(), length: 4.36, width: 1.82, steered: None }
+        VehicleState::new(turn(), motion, (4.36, 1.82))
     }
 
     fn person(position: Vector2<f64>, velocity: Vector2<f64>, disc: bool) -> PedestrianState {

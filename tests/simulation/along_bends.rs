@@ -1,6 +1,7 @@
 //! Who walks along the lane of a road that bends follows it: held against the straight road, against closed forms on a circle, and against
 //! itself elsewhere on that circle.
 
+use proptest::prelude::*;
 use sim::StopReason;
 
 use crate::support::text::{Measured, measured, planned};
@@ -32,6 +33,7 @@ fn along_a_path_that_is_straight_they_walk_as_along_a_straight_road() {
         "model scripted { speed: 2.177 m/s, acceleration_way: 0.71 m }; size 0.6 m x 0.5 m; walks against traffic; along 31.7 m; start 0.613 m from lane centre; goal 41.3 m further",
         "model scripted { speed: 1.577 m/s }; from far side; walks against traffic; along -25.7 m; start 0.317 m from kerb; goal 41.3 m further; appears when time_to_arrival(av.front) = 3.0137 s",
         "model scripted { speed: 1.577 m/s, stop_after: 11.3 m, stop_for: 2.13 s }; walks with traffic; along 5.3 m; start 0.413 m from lane centre; goal 21.3 m further",
+        "model scripted { speed: 1.577 m/s }; size 0.6 m x 0.5 m; walks with traffic; along 25.3 m; goal 41.3 m further; meets av at 37 % after 11.3 m",
     ];
     let cars = [
         "controller constant_speed; speed 31.7 km/h; start 51.13 m before crossing",
@@ -178,8 +180,8 @@ fn what_cannot_be_followed_is_an_error_with_a_cure() {
         ("model scripted { speed: 2 m/s }", "model social_force", "decides for itself"),
         (
             "along 20 m; start 0 m from lane centre",
-            "meets av at 50 % after 10 m",
-            "is to meet somebody along",
+            "along 20 m; meets av at 50 % after 400 m",
+            "beyond its goal",
         ),
         ("model scripted { speed: 2 m/s }", "model commotions", "decides for itself"),
         (
@@ -197,5 +199,59 @@ fn what_cannot_be_followed_is_an_error_with_a_cure() {
         };
         let error = planned(&text.replace(one, other)).unwrap_err();
         assert!(error.contains(message), "{error}");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(60) })]
+    /// Whoever walks along a bend is hit where it is said, when they have walked so far.
+    #[test]
+    fn in_a_bend_who_is_met_is_hit_there_by_who_keeps_their_speed(
+        (far, against, lane) in (any::<bool>(), any::<bool>(), 0..2_usize),
+        share in 0.02..0.98_f64,
+        (after, along) in (5.0..30.0_f64, -20.0..30.0_f64),
+        (pace, speed) in (0.5..3.0_f64, 4.0..12.0_f64),
+        reference in -0.2..0.2_f64,
+        rear_axle in prop::option::of(0.8..1.4_f64),
+        path in prop::sample::select(vec![
+            "straight 60 m; turn left { radius: 9 m, clothoid: 20.62 deg, arc: 48.76 deg }; straight 60 m",
+            "straight 50 m; clothoid 10 m to radius 40 m right; arc 60 deg; clothoid 10 m to straight; straight 60 m",
+            "arc 200 deg radius 60 m left",
+        ]),
+    ) {
+        let (way, side) = (if against { "against" } else { "with" }, if far { "from far side;" } else { "" });
+        let behind = if reference < 0.0 { "behind" } else { "ahead of" };
+        let axle = rear_axle.map_or(String::new(), |axle| format!("follows by rear axle {axle} m behind centre;"));
+        let text = format!("
+scenario meets {{
+  road {{
+    path {{ {path} }}
+    lanes forward, backward; lane_width 3.5 m; speed_limit 50 km/h; crossing unmarked {{ at: 60 m }}
+  }}
+  vehicle av {{ controller constant_speed; speed {speed} m/s; size 4.4 m x 1.8 m; lane {lane}; {axle} }}
+  pedestrian dummy {{
+    model scripted {{ speed: {pace} m/s }}
+    size 0.6 m x 0.5 m; {side}
+    along {along} m
+    goal 31 m further
+    reference {} m {behind} centre
+    walks {way} traffic
+    meets av at {share} after {after} m
+  }}
+  horizon 300 s
+  step 0.01 s
+  end on collision
+}}", reference.abs());
+        // In a tight bend it may be a flank that they would be hit by at first.
+        if let Err(error) = planned(&text) {
+            prop_assert!(error.contains("nowhere beside its lane") && path.contains("9 m"), "{error}\n{text}");
+            return Ok(());
+        }
+        let found = measured(&text);
+        let point = found.of("impact_point").expect("it is hit at the front");
+        // Between two steps who walks goes straight on, as they stood at the beginning.
+        prop_assert!((point - share).abs() < 1e-3, "{point} instead of {share}\n{text}");
+        let (time, walked) = (found.ending.1, after / pace);
+        prop_assert!((time - walked).abs() < 1e-3, "{time} s instead of {walked} s\n{text}");
     }
 }

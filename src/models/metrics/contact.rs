@@ -186,7 +186,11 @@ impl Meter for ImpactPoint {
         }
         let Some(contact) = encounters.pair(vehicle, pedestrian).contact else { return };
         self.is_over = true;
-        let part = (contact.time - step.time) / step.duration;
+        // A run that ends with a touch at the very beginning of a step has a last one of no duration.
+        let part = match step.duration {
+            0.0 => 1.0,
+            duration => (contact.time - step.time) / duration,
+        };
         let car = &step.after.vehicles[vehicle];
         let travelled = lerp(step.before.vehicles[vehicle].motion.travelled, car.motion.travelled, part);
         let (centre, ahead) = match car.steered {
@@ -196,22 +200,23 @@ impl Meter for ImpactPoint {
         let (before, person) = (&step.before.pedestrians[pedestrian], &step.after.pedestrians[pedestrian]);
         let place = before.position.lerp(&person.position, part);
         let left = Vector2::new(-ahead.y, ahead.x);
-        let reach = half_extent_along(person, ahead).x;
+        // Who turns within a step touches as they stood at its beginning.
+        let reach = half_extent_along(before, ahead).x;
         let front = (place - centre).dot(&ahead) - car.length / 2.0 - reach;
         // Where ways meet at another than a right angle the corner of the front may touch a side of a body.
         let meets_aslant = self.way.dot(&ahead).abs() > RIGHT_ANGLE * self.way.norm();
-        let aslant = meets_aslant && matches!(person.shape, Shape::Rectangle { .. });
+        let aslant = meets_aslant && matches!(before.shape, Shape::Rectangle { .. });
         let corner = || {
             let shape =
                 Shape::Rectangle { length: 2.0 * AT_THE_FRONT, width: car.width + 2.0 * AT_THE_FRONT };
             let edge = Footprint { centre: centre + ahead * (car.length / 2.0), heading: ahead, shape };
-            let body = Footprint { centre: place, ..Footprint::from(person) };
+            let body = Footprint { centre: place, ..Footprint::from(before) };
             edge.first_contact(&body, Vector2::zeros()).is_some()
         };
         if front.abs() > AT_THE_FRONT && !(aslant && corner()) {
             return;
         }
-        let reference = place + person.heading * self.reference;
+        let reference = place + before.heading * self.reference;
         let beyond = match self.side {
             Some(side) if car.keeps_straight() => car.path.beyond(reference, side),
             // Of the front itself, which in a bend is beside the lane's centre.

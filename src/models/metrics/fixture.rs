@@ -6,7 +6,7 @@ use super::metrics;
 use scenario::{Appearance, MetricReference, Settings, Value, World};
 use sim::measure::{FreeFlow, Measurement, Open, Presence, Reading};
 use sim::{
-    Contacts, Ending, Longitudinal, Mode, Observer, PedestrianState, Snapshot, Step, StopReason,
+    Abreast, Contacts, Ending, Longitudinal, Mode, Observer, PedestrianState, Snapshot, Step, StopReason,
     VehicleState, fixture,
 };
 
@@ -102,6 +102,7 @@ fn observe(world: &World, requests: &[MetricReference], car: &Profile, walk: &Wa
             motions: &[],
             contacts: contacts.found(),
             sightings: &[],
+            abreast: &Abreast::default(),
         };
         if let Some(moment) = collision {
             measurement.observe(&Step { duration: moment, after: &step.at(moment), ..step });
@@ -145,13 +146,11 @@ fn snapshot(world: &World, car: &Profile, walk: &Walk, time: f64) -> Snapshot {
     let person = &world.pedestrians[0];
     let (position, velocity) = walk.at(time);
     Snapshot {
-        vehicles: vec![VehicleState {
-            motion: Longitudinal { travelled, speed, acceleration: 0.0 },
-            path: world.path_of(setup),
-            length: setup.length,
-            width: setup.width,
-            steered: None,
-        }],
+        vehicles: vec![VehicleState::new(
+            world.path_of(setup),
+            Longitudinal { travelled, speed, acceleration: 0.0 },
+            (setup.length, setup.width),
+        )],
         pedestrians: vec![PedestrianState {
             position,
             velocity,

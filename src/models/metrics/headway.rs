@@ -3,7 +3,7 @@
 use super::travel::standing;
 use scenario::{Absence, Declaration, Dimension, Metric, MetricKind, MetricRange, Scope, Worst};
 use sim::Step;
-use sim::measure::{Encounters, Meter, half_extent, lerp, meters, part_within, strip};
+use sim::measure::{Encounters, Meter, half_extent, lerp, meters, part_within};
 
 pub fn time_headway() -> Metric {
     let declaration = Declaration::new(
@@ -50,7 +50,7 @@ impl Meter for TimeHeadway {
         }
         let (before, car) = (&step.before.vehicles[self.pair.0], &step.after.vehicles[self.pair.0]);
         let reach = half_extent(&step.after.pedestrians[self.pair.1], &new);
-        let (low, high) = strip(car, &new);
+        let (low, high) = encounter.strip;
         let inside = part_within(old.beside, new.beside, (low - reach.y, high + reach.y));
         let Some((enter, leave)) = inside else { return };
         // Gap and speed are linear within a step, so that their ratio is smallest at an end of the stay.

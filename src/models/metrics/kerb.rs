@@ -33,6 +33,8 @@ struct KerbContact {
     axle: f64,
     /// How far (m) the edges of the carriageway are to the left of the middle of its lane: that on the right, negative, and the other.
     edges: (f64, f64),
+    /// Whether it sweeps clear of the edges in every bend of its lane, if it follows that.
+    always_clear: bool,
     /// Whether it swept clear of the edges at the end of the last step.
     clear: bool,
     /// Whether there was a step.
@@ -45,8 +47,19 @@ impl KerbContact {
     fn new(context: &MetricContext) -> Self {
         let setup = &context.world.vehicles[context.vehicle];
         let axle = if setup.behind > 0.0 { setup.behind } else { REAR_AXLE * setup.length };
-        let edges = context.world.path_of(setup).kerbs(context.world.road_of(setup));
-        Self { vehicle: context.vehicle, axle, edges, clear: false, observed: false, first: None }
+        let path = context.world.path_of(setup);
+        let edges = path.kerbs(context.world.road_of(setup));
+        let (right, left) = path.most_swept((2.0 * axle, setup.width));
+        let always_clear = -right > edges.0 && left < edges.1;
+        Self {
+            vehicle: context.vehicle,
+            axle,
+            edges,
+            always_clear,
+            clear: false,
+            observed: false,
+            first: None,
+        }
     }
 
     /// How far its wheels are from the nearest edge, m; negative where one is beyond it.
@@ -71,6 +84,9 @@ impl KerbContact {
     fn sweeps_clear(&self, car: &VehicleState) -> bool {
         if car.keeps_straight() || car.steered.is_some() {
             return false;
+        }
+        if self.always_clear {
+            return true;
         }
         let (right, left) = self.edges;
         let (to_the_right, to_the_left) = car.path.swept(car.motion.travelled, (2.0 * self.axle, car.width));
@@ -155,12 +171,14 @@ mod tests {
             offset: y,
             heading_error: angle,
         };
-        VehicleState {
-            motion: Longitudinal { travelled: x, speed: 5.0, acceleration: 0.0 },
-            path: Path::straight(0.0, Direction::Forward),
-            length: 4.4,
-            width: 1.8,
-            steered: Some(steered),
+        {
+            let mut state = VehicleState::new(
+                Path::straight(0.0, Direction::Forward),
+                Longitudinal { travelled: x, speed: 5.0, acceleration: 0.0 },
+                (4.4, 1.8),
+            );
+            state.steered = Some(steered);
+            state
         }
     }
 
@@ -169,6 +187,7 @@ mod tests {
             vehicle: 0,
             axle: 1.3,
             edges: (-10.0, left),
+            always_clear: false,
             clear: false,
             observed: false,
             first: None,

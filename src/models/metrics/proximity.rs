@@ -234,13 +234,11 @@ mod tests {
     use sim::Longitudinal;
 
     fn rate(speed: f64, gap: f64, offset: f64, sideways: f64) -> f64 {
-        let car = VehicleState {
-            motion: Longitudinal { travelled: 0.0, speed, acceleration: 0.0 },
-            path: Path::straight(0.0, Direction::Forward),
-            length: 4.0,
-            width: 1.5,
-            steered: None,
-        };
+        let car = VehicleState::new(
+            Path::straight(0.0, Direction::Forward),
+            Longitudinal { travelled: 0.0, speed, acceleration: 0.0 },
+            (4.0, 1.5),
+        );
         let person = PedestrianState {
             position: Vector2::new(2.0 + gap + 0.25, offset),
             velocity: Vector2::new(0.0, sideways),

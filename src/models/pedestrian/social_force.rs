@@ -341,13 +341,11 @@ mod tests {
     use sim::Longitudinal;
 
     fn standing_car() -> VehicleState {
-        VehicleState {
-            motion: Longitudinal { travelled: 0.0, speed: 0.0, acceleration: 0.0 },
-            path: Path::straight(0.0, Direction::Forward),
-            length: 4.9,
-            width: 2.1,
-            steered: None,
-        }
+        VehicleState::new(
+            Path::straight(0.0, Direction::Forward),
+            Longitudinal { travelled: 0.0, speed: 0.0, acceleration: 0.0 },
+            (4.9, 2.1),
+        )
     }
 
     fn repulsion() -> Repulsion {
@@ -378,8 +376,7 @@ mod tests {
 
     #[test]
     fn the_force_is_the_gradient_of_the_potential() {
-        let car =
-            VehicleState { motion: Longitudinal { speed: 8.0, ..standing_car().motion }, ..standing_car() };
+        let car = standing_car().in_motion(Longitudinal { speed: 8.0, ..standing_car().motion });
         // V exp(-b*/sigma) with b from the paper's equation 4; all of it seen.
         let potential = |p: Vector2<f64>| {
             let r = p - Vector2::new(2.45, 0.0);

@@ -49,13 +49,11 @@ impl Walk {
 
     /// A car 4.514 m long and 2.007 m wide with its centre at x, at a speed.
     pub fn add_car(&mut self, x: f64, speed: f64) {
-        self.vehicles.push(VehicleState {
-            motion: Longitudinal { travelled: x, speed, acceleration: 0.0 },
-            path: Path::straight(0.0, Direction::Forward),
-            length: 4.514,
-            width: 2.007,
-            steered: None,
-        });
+        self.vehicles.push(VehicleState::new(
+            Path::straight(0.0, Direction::Forward),
+            Longitudinal { travelled: x, speed, acceleration: 0.0 },
+            (4.514, 2.007),
+        ));
     }
 
     /// Somebody else, whom nothing moves.

@@ -269,7 +269,7 @@ impl Outlook {
             let car = &self.cars[index];
             let place = car.motion.travelled + car.motion.speed * time;
             let motion = Longitudinal { travelled: place, ..car.motion };
-            (Solid::Vehicle(index), Footprint::from(&VehicleState { motion, ..car.clone() }))
+            (Solid::Vehicle(index), Footprint::from(&car.in_motion(motion)))
         });
         let others = self.people.iter().enumerate().filter(|(index, person)| {
             *index != pedestrian && person.appears.is_some_and(|appears| appears <= time)

@@ -8,10 +8,11 @@ use scenario::{
     Appearance, DeclaredAppearance, DeclaredPedestrian, DeclaredVehicleStart, Dimension, Origin,
     PedestrianContext, PedestrianSetup, Scenario, Shape, VehicleStart, World, limits, show,
 };
-use sim::{Longitudinal, VehicleState, hit_at, walking_time};
+use sim::{Longitudinal, VehicleState, hit_along, hit_at, walking_time};
 
 use super::check::{check_number, check_numbers, check_share};
 use super::error::PlanError;
+use super::places::course_beside;
 use super::variables::{Variables, number};
 
 /// Leaves room for rounding in places, m.
@@ -19,6 +20,12 @@ const ROUNDING: f64 = 1e-9;
 
 /// The last of a way along a lane, by which it is known how fast somebody is at its end, m.
 const LAST_WAY: f64 = 0.1;
+
+/// Steps to the place beside a lane from which somebody is hit at the share that is asked for, at most; …
+const STEPS: usize = 60;
+
+/// … they end where the share is right to this.
+const ROUNDING_OF_SHARES: f64 = 1e-9;
 
 /// Lets everybody in the world who is to meet a vehicle appear in time for it.
 ///
@@ -41,12 +48,19 @@ pub(super) fn meet(scenario: &Scenario, variables: &Variables, world: &mut World
         };
         let after = number(after, variables, &said)?;
         check_way_walked(scenario, declared, after, &said)?;
+        if world.pedestrians[index].follows.is_some() {
+            let end = put_beside(scenario, world, (index, car), (share, after), &said)?;
+            world.pedestrians[index].appears =
+                meeting_along(scenario, world, (index, car), (after, Some(end)), &said)?;
+            continue;
+        }
         let (path, setup) = (world.path_of(&world.vehicles[car]), &mut world.pedestrians[index]);
         // Who walks along the lane is at that place across it all the time.
         let beyond = world.vehicles[car].width * (share - 0.5);
         let y = path.point(0.0).y + setup.side.walking_sign() * beyond;
         (setup.start.y, setup.goal.y) = (y, y);
-        world.pedestrians[index].appears = meeting_along(scenario, world, index, car, after, &said)?;
+        world.pedestrians[index].appears =
+            meeting_along(scenario, world, (index, car), (after, None), &said)?;
     }
     Ok(())
 }
@@ -69,13 +83,63 @@ fn check_way_walked(
     check_number(scenario, &format!("{name}.after"), &what, after, limits::FURTHER, said)
 }
 
-/// Of somebody who walks along the lane in which the vehicle comes from behind or towards them.
+/// Puts somebody who follows a bend so far beside the lane's centre that the vehicle's front hits them at a share of its width after so much (m) of
+/// their way: the place (m) of the front then.
+fn put_beside(
+    scenario: &Scenario,
+    world: &mut World,
+    (person, vehicle): (usize, usize),
+    (share, after): (f64, f64),
+    said: &Origin,
+) -> Result<f64, PlanError> {
+    let (car, declared) = (&world.vehicles[vehicle], &scenario.pedestrians[person]);
+    let setup = &world.pedestrians[person];
+    let (path, walks) = (world.path_of(car), setup.follows.as_ref());
+    let (Some(lane), Some(walks), Some(bend)) =
+        (path.course(), walks.and_then(|walks| walks.course()), world.road.bend.clone())
+    else {
+        return Err(elsewhere(setup, &car.name, said));
+    };
+    if lane.line() != &*bend.line {
+        return Err(elsewhere(setup, &car.name, said));
+    }
+    let (from, to) = (walks.project(setup.start.into()).place, walks.project(setup.goal.into()).place);
+    let (along, further) = (world.road.along(setup.start.into()), to - from);
+    let direction = walks.direction();
+    let sign = setup.side.walking_sign();
+    let motion = Longitudinal { travelled: 0.0, speed: car.speed, acceleration: 0.0 };
+    let state = VehicleState::new(path.clone(), motion, (car.length, car.width));
+    let mut setup = setup.clone();
+    let mut y = lane.offset() + sign * car.width * (share - 0.5);
+    for _ in 0..STEPS {
+        let placed = course_beside(&bend, (declared, said), (y, direction), (along, further))?;
+        (setup.start, setup.goal, setup.follows) = placed;
+        let Some((place, found)) = hit_along(&state, &setup, after) else { break };
+        let aside = sign * (share - found) * car.width;
+        if aside.abs() <= ROUNDING_OF_SHARES * car.width {
+            world.pedestrians[person] = setup;
+            return Ok(place + state.length / 2.0);
+        }
+        y += aside;
+    }
+    let message = format!(
+        "nowhere beside its lane does the front of `{}` hit {} `{}` at {} % of its width",
+        car.name,
+        setup.kind.word(),
+        setup.name,
+        show(share * 100.0, None, Dimension::NUMBER)
+    );
+    Err(PlanError::new(said, message).with_hint(
+        "let it be met where the road bends less, or say `start` and `appears` instead of `meets`",
+    ))
+}
+
+/// Of somebody who walks along the lane in which the vehicle comes from behind or towards them, its front at a place (m) then on a bend.
 fn meeting_along(
     scenario: &Scenario,
     world: &World,
-    person: usize,
-    vehicle: usize,
-    after: f64,
+    (person, vehicle): (usize, usize),
+    (after, end): (f64, Option<f64>),
     said: &Origin,
 ) -> Result<Appearance, PlanError> {
     let (setup, car) = (&world.pedestrians[person], &world.vehicles[vehicle]);
@@ -83,7 +147,20 @@ fn meeting_along(
     if car.speed <= 0.0 {
         return Err(stands(other, said));
     }
-    let further = (setup.goal.x - setup.start.x).abs();
+    // How far they walk, and where they are after so much of it: the place abreast of that in the vehicle's lane, m.
+    let path = world.path_of(car);
+    let (further, abreast): (f64, Box<dyn Fn(f64) -> f64>) = match &setup.follows {
+        None => {
+            let way = setup.goal.x - setup.start.x;
+            let ahead = path.heading(0.0).x * way.signum();
+            let from = path.along(setup.start.into());
+            (way.abs(), Box::new(move |walked| from + ahead * walked))
+        }
+        Some(course) => {
+            let (from, to) = (course.along(setup.start.into()), course.along(setup.goal.into()));
+            (to - from, Box::new(move |walked| path.along(course.point(from + walked))))
+        }
+    };
     if after > further {
         let message =
             format!("{kind} `{name}` is to meet `{other}` {} beyond its goal", metres(after - further));
@@ -93,24 +170,27 @@ fn meeting_along(
     let Some(time) = alone(world, setup, after, &scenario.pedestrians[person].model.origin)? else {
         return Err(never_walks(setup, other, after, said));
     };
-    let path = world.path_of(car);
-    let ahead = path.heading(0.0).x * (setup.goal.x - setup.start.x).signum();
-    let walked = ahead * after;
-    let (long, _) = setup.shape.extents();
+    let (start, met) = (abreast(0.0), abreast(after));
     // Where the front comes to the near end of the body.
-    let end = path.along(setup.start.into()) + walked - long / 2.0;
+    let end = end.unwrap_or(met - setup.shape.extents().0 / 2.0);
     // A vehicle catches up with whom it is behind at first and faster than at last.
     let short = after.min(LAST_WAY) / 2.0;
     let earlier = alone(world, setup, after - short, &scenario.pedestrians[person].model.origin)?;
-    let last = earlier.map_or(0.0, |earlier| ahead * short / (time - earlier));
-    let fastest = last.max(walked / time);
-    if car.speed <= fastest {
+    let last = earlier.map_or(0.0, |earlier| (met - abreast(after - short)) / (time - earlier));
+    let fastest = last.max((met - start) / time);
+    if car.speed <= fastest * (1.0 + ROUNDING) {
         let message = format!("vehicle `{other}` is too slow to catch up with {kind} `{name}`");
         let shown = show(fastest, None, Dimension::SPEED);
         let hint = format!("let it be faster than {shown}, as fast as `{name}` is");
         return Err(PlanError::new(said, message).with_hint(hint));
     }
     in_time(scenario, world, (person, vehicle), (time, end), said)
+}
+
+fn elsewhere(setup: &PedestrianSetup, other: &str, said: &Origin) -> PlanError {
+    let (name, kind) = (&setup.name, setup.kind.word());
+    PlanError::new(said, format!("{kind} `{name}` walks along another road than `{other}` drives on"))
+        .with_hint("let it meet a vehicle of the road that it walks along, or say `start` and `appears` instead of `meets`")
 }
 
 fn metres(length: f64) -> String {
@@ -178,8 +258,7 @@ fn meeting(
         (way, path.along(setup.start.into()) - half_across(setup.shape))
     } else {
         let motion = Longitudinal { travelled: 0.0, speed: car.speed, acceleration: 0.0 };
-        let state =
-            VehicleState { motion, path: path.clone(), length: car.length, width: car.width, steered: None };
+        let state = VehicleState::new(path.clone(), motion, (car.length, car.width));
         let Some((way, centre)) = hit_at(&state, setup, share) else {
             let message = format!("the way of {kind} `{name}` does not lead across the lane of `{other}`");
             return refused(

@@ -311,33 +311,40 @@ fn way_along(
         Side::Near => 0,
         Side::Far => road.lanes.len() - 1,
     };
-    let y = road.outer_lane_centre(declared.side) - sign * start;
+    // Who is to meet a vehicle is put beside its lane's centre later.
+    let is_met = matches!(declared.appears, DeclaredAppearance::Meets { .. }) && road.bend.is_some();
+    let y = road.outer_lane_centre(declared.side) - if is_met { 0.0 } else { sign * start };
     let direction = match (road.lanes[lane].direction, with_traffic) {
         (direction, true) => direction,
         (Direction::Forward, false) => Direction::Backward,
         (Direction::Backward, false) => Direction::Forward,
     };
     if let Some(bend) = &road.bend {
-        if let DeclaredAppearance::Meets { .. } = declared.appears {
-            let message = format!("{kind} `{name}` is to meet somebody along the lane of a road that bends");
-            return Err(PlanError::new(&declared.origin, message).with_hint(
-                "say `start` and `appears` instead of `meets`, or take a road without `path`: in a bend the front of a vehicle is beside its lane's centre",
-            ));
-        }
-        let course = CurvedPath::new(bend.line.clone(), y, direction, bend.crossing).map_err(|error| {
-            let message = format!("{kind} `{name}` walks along a bend that is too tight for it: {error}");
-            PlanError::new(&declared.origin, message)
-                .with_hint("let it start nearer to the lane's centre, or take a wider bend")
-        })?;
-        let path = Path::curved(course);
-        let from = path.at_line(along);
-        let at = |place: f64| {
-            let point = path.point(place);
-            Position { x: point.x, y: point.y }
-        };
-        let (start, goal) = (at(from), at(from + further));
-        return Ok((start, goal, Some(path)));
+        return course_beside(bend, (declared, &declared.origin), (y, direction), (along, further));
     }
     let ahead = Path::straight(y, direction).heading(0.0).x;
     Ok((Position { x: along, y }, Position { x: along + ahead * further, y }, None))
+}
+
+/// Where somebody starts and where they walk to who walks along a bend, `y` m to the left of its line: from abreast of `along` m on so much further.
+pub(super) fn course_beside(
+    bend: &Bend,
+    (declared, said): (&DeclaredPedestrian, &Origin),
+    (y, direction): (f64, Direction),
+    (along, further): (f64, f64),
+) -> Result<(Position, Position, Option<Path>), PlanError> {
+    let course = CurvedPath::new(bend.line.clone(), y, direction, bend.crossing).map_err(|error| {
+        let (name, kind) = (&declared.name, declared.kind.word());
+        let message = format!("{kind} `{name}` walks along a bend that is too tight for it: {error}");
+        PlanError::new(said, message)
+            .with_hint("let it start nearer to the lane's centre, or take a wider bend")
+    })?;
+    let path = Path::curved(course);
+    let from = path.at_line(along);
+    let at = |place: f64| {
+        let point = path.point(place);
+        Position { x: point.x, y: point.y }
+    };
+    let (start, goal) = (at(from), at(from + further));
+    Ok((start, goal, Some(path)))
 }

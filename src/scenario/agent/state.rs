@@ -21,6 +21,19 @@ pub struct VehicleState {
     /// Where it is since its controller steers it; `None`: on its path.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub steered: Option<Steered>,
+    #[serde(skip)]
+    known: KnownPose,
+}
+
+/// The centre and the heading at a place of a path that bends, which a whole step asks for. It counts while the vehicle is at that
+/// place, and is no part of its state.
+#[derive(Debug, Clone, Copy, Default)]
+struct KnownPose(Option<(f64, Vector2<f64>, Vector2<f64>)>);
+
+impl PartialEq for KnownPose {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
 }
 
 /// Motion along a path.
@@ -53,10 +66,39 @@ impl Longitudinal {
 }
 
 impl VehicleState {
+    /// A vehicle on its path, of this length and width (m).
+    pub fn new(path: Path, motion: Longitudinal, (length, width): (f64, f64)) -> Self {
+        Self { motion, path, length, width, steered: None, known: KnownPose(None) }
+    }
+
+    /// The same vehicle in another motion.
+    pub fn in_motion(&self, motion: Longitudinal) -> Self {
+        Self { motion, ..self.clone() }
+    }
+
+    /// Works out its pose for all who will ask for it where it is now.
+    #[inline]
+    pub fn know_pose(&mut self) {
+        if !self.keeps_straight() && self.steered.is_none() {
+            let (centre, heading) = self.path.pose(self.motion.travelled);
+            self.known = KnownPose(Some((self.motion.travelled, centre, heading)));
+        }
+    }
+
+    /// The pose on its path.
+    #[inline]
+    fn on_path(&self) -> (Vector2<f64>, Vector2<f64>) {
+        match self.known.0 {
+            Some((place, centre, heading)) if place == self.motion.travelled => (centre, heading),
+            _ => self.path.pose(self.motion.travelled),
+        }
+    }
+
     /// The centre in the world frame.
     #[inline]
     pub fn position(&self) -> Vector2<f64> {
         match &self.steered {
+            None if self.known.0.is_some() => self.on_path().0,
             None => self.path.point(self.motion.travelled),
             Some(steered) => steered.centre,
         }
@@ -75,6 +117,7 @@ impl VehicleState {
     #[inline]
     pub fn heading(&self) -> Vector2<f64> {
         match &self.steered {
+            None if self.known.0.is_some() => self.on_path().1,
             None => self.path.heading(self.motion.travelled),
             Some(steered) => steered.heading,
         }
@@ -84,7 +127,7 @@ impl VehicleState {
     #[inline]
     pub fn pose(&self) -> (Vector2<f64>, Vector2<f64>) {
         match &self.steered {
-            None => self.path.pose(self.motion.travelled),
+            None => self.on_path(),
             Some(steered) => (steered.centre, steered.heading),
         }
     }

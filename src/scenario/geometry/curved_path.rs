@@ -26,6 +26,17 @@ pub struct CurvedPath {
     lengths: Vec<f64>,
     /// Stations (m) between which it hardly turns, both ends among them.
     stops: Vec<f64>,
+    /// Where it bends without a break, in the order of stations.
+    bends: Vec<Bending>,
+}
+
+/// A stretch in which a course bends.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Bending {
+    /// Stations at which it begins and ends, m.
+    stations: (f64, f64),
+    /// The places abreast of them, m.
+    places: (f64, f64),
 }
 
 #[derive(Serialize, Deserialize)]
@@ -92,7 +103,26 @@ impl CurvedPath {
             stops.extend((1..=parts).map(|part| from + piece.length * part as f64 / parts as f64));
         }
         let before_origin = origin - offset * line.turned(origin);
-        Self { line, offset, direction, origin, before_origin, lengths, stops }
+        let mut path =
+            Self { line, offset, direction, origin, before_origin, lengths, stops, bends: Vec::new() };
+        path.bends = path.bending();
+        path
+    }
+
+    fn bending(&self) -> Vec<Bending> {
+        let mut found: Vec<(f64, f64)> = Vec::new();
+        for (piece, start, _) in self.line.placed().filter(|(piece, ..)| piece.tightest() > 0.0) {
+            let end = start + piece.length;
+            match found.last_mut() {
+                Some((_, last)) if *last == start => *last = end,
+                _ => found.push((start, end)),
+            }
+        }
+        let abreast = |stations: (f64, f64)| Bending {
+            stations,
+            places: (self.place_abreast(stations.0), self.place_abreast(stations.1)),
+        };
+        found.into_iter().map(abreast).collect()
     }
 
     /// The course `offset` m farther to the left of the reference line.
@@ -145,13 +175,16 @@ impl CurvedPath {
         // The piece in which it lies; the last length is that of the end.
         let found = self.lengths[1..].iter().position(|end| length < *end).unwrap_or(0);
         let Some((piece, from)) = self.line.piece(found) else { return length };
-        let rest = length - self.lengths[found];
+        from + self.way(piece, length - self.lengths[found])
+    }
+
+    /// How far along a piece (m) one is who has driven so far (m) along the course since it began.
+    fn way(&self, piece: &super::Piece, driven: f64) -> f64 {
         let (bend, change) = (1.0 - self.offset * piece.from, -self.offset * piece.change() / 2.0);
-        let way = match change {
-            0.0 => rest / bend,
-            _ => 2.0 * rest / (bend + libm::sqrt(bend * bend + 4.0 * change * rest)),
-        };
-        from + way
+        match change {
+            0.0 => driven / bend,
+            _ => 2.0 * driven / (bend + libm::sqrt(bend * bend + 4.0 * change * driven)),
+        }
     }
 
     /// The pose at a place: heading in the direction of travel, curvature to the left of it.
@@ -239,6 +272,17 @@ impl CurvedPath {
         self.beside_line(self.line.frame(self.station(place)))
     }
 
+    /// The same but for [`Self::roughness`], and sooner still.
+    pub(crate) fn rough_frame(&self, place: f64) -> Frame {
+        self.beside_line(self.line.rough_frame(self.station(place)))
+    }
+
+    /// What rough frames are wrong by at most: their points, m, and their tangents, of 1.
+    pub(crate) fn roughness(&self) -> (f64, f64) {
+        let (point, tangent) = self.line.roughness();
+        (point + self.offset.abs() * tangent, tangent)
+    }
+
     /// A frame of the line as the course has it abreast of that.
     fn beside_line(&self, frame: Frame) -> Frame {
         let (sign, curvature) = (self.direction.sign(), frame.curvature);
@@ -261,78 +305,83 @@ impl CurvedPath {
 
     /// The smallest and the largest curvature (1/m, to the left in the direction of travel) between two places (m).
     pub fn bends_between(&self, from: f64, to: f64) -> (f64, f64) {
-        let (one, other) = (self.station(from), self.station(to));
+        let [one, other] = [from, to].map(|place| self.before_origin + self.direction.sign() * place);
         let (low, high) = (one.min(other), one.max(other));
-        let sign = self.direction.sign();
-        let beside = |curvature: f64| sign * curvature / (1.0 - curvature * self.offset);
-        let touched =
-            self.line.placed().filter(|(piece, start, _)| *start <= high && start + piece.length >= low);
-        let beyond = low < 0.0 || high > self.line.length();
-        let found = touched.fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), (piece, start, _)| {
-            let at = |station: f64| beside(piece.curvature((station - start).clamp(0.0, piece.length)));
-            let (one, other) = (at(low), at(high));
-            (least.min(one).min(other), most.max(one).max(other))
-        });
-        if beyond { (found.0.min(0.0), found.1.max(0.0)) } else { found }
+        let mut found = (f64::INFINITY, f64::NEG_INFINITY);
+        let mut take = |bend: f64| found = (found.0.min(bend), found.1.max(bend));
+        for (index, (piece, start, _)) in self.line.placed().enumerate() {
+            let (begins, ends) = (self.lengths[index], self.lengths[index + 1]);
+            if begins > high {
+                break;
+            }
+            if ends < low {
+                continue;
+            }
+            if piece.from == piece.to {
+                take(self.bend(piece.from));
+                continue;
+            }
+            for length in [low, high] {
+                let way = if length < begins {
+                    0.0
+                } else if length >= ends {
+                    piece.length
+                } else {
+                    // As a station has it.
+                    start + self.way(piece, length - begins) - start
+                };
+                take(self.bend(piece.curvature(way.clamp(0.0, piece.length))));
+            }
+        }
+        if low < 0.0 || high > self.lengths[self.lengths.len() - 1] {
+            take(0.0);
+        }
+        found
     }
 
     /// How far a rigid body of this length and width (m) whose middle follows the course sweeps to the right and to the left of it about
     /// a place, m: half its width where it goes straight. In a bend its corners swing out, by the tightest bend that is under it.
     pub fn swept(&self, place: f64, (length, width): (f64, f64)) -> (f64, f64) {
-        let (least, most) = self.bends_between(place - length / 2.0, place + length / 2.0);
-        let half = width / 2.0;
-        let swings_out = |bend: f64| {
-            if bend <= 0.0 {
-                return half;
-            }
-            let radius = 1.0 / bend;
-            libm::hypot(radius + half, length / 2.0) - radius
-        };
-        (swings_out(most), swings_out(-least))
+        swung_out(self.bends_between(place - length / 2.0, place + length / 2.0), (length, width))
+    }
+
+    /// The most that it sweeps anywhere.
+    pub fn most_swept(&self, size: (f64, f64)) -> (f64, f64) {
+        let (from, to) = self.extent();
+        swung_out(self.bends_between(from - 1.0, to + 1.0), size)
     }
 
     /// How far (m) it goes straight on from a place; infinite after its last bend.
     pub fn straight_ahead(&self, place: f64) -> f64 {
         let station = self.station(place);
-        let bends = self.line.placed().filter(|(piece, ..)| piece.tightest() > 0.0);
-        let next = match self.direction {
-            Direction::Forward => bends
-                .filter(|(piece, start, _)| start + piece.length > station)
-                .map(|(_, start, _)| start.max(station))
-                .reduce(f64::min),
-            Direction::Backward => bends
-                .filter(|(_, start, _)| *start < station)
-                .map(|(piece, start, _)| (start + piece.length).min(station))
-                .reduce(f64::max),
+        let (begins, at) = match self.direction {
+            Direction::Forward => match self.bends.iter().find(|bend| bend.stations.1 > station) {
+                Some(bend) => (bend.stations.0 > station, bend.places.0),
+                None => return f64::INFINITY,
+            },
+            Direction::Backward => match self.bends.iter().rfind(|bend| bend.stations.0 < station) {
+                Some(bend) => (bend.stations.1 < station, bend.places.1),
+                None => return f64::INFINITY,
+            },
         };
-        match next {
-            None => f64::INFINITY,
-            Some(next) if next == station => 0.0,
-            Some(next) => self.place_abreast(next) - place,
-        }
+        if begins { at - place } else { 0.0 }
     }
 
     /// How far (m) the bend goes on in which a place is, until the course goes straight on; 0 where it does.
     pub fn bend_ahead(&self, place: f64) -> f64 {
-        let mut station = self.station(place);
-        let sign = self.direction.sign();
-        let bends = |station: f64| {
-            self.line.placed().find(|(piece, start, _)| {
-                let end = start + piece.length;
-                let inside = if sign > 0.0 {
-                    *start <= station && station < end
-                } else {
-                    *start < station && station <= end
-                };
-                piece.tightest() > 0.0 && inside
-            })
+        let station = self.station(place);
+        let inside = |bend: &&Bending| {
+            let (start, end) = bend.stations;
+            match self.direction {
+                Direction::Forward => start <= station && station < end,
+                Direction::Backward => start < station && station <= end,
+            }
         };
-        let mut last = None;
-        while let Some((piece, start, _)) = bends(station) {
-            station = if sign > 0.0 { start + piece.length } else { start };
-            last = Some(station);
-        }
-        last.map_or(0.0, |station| self.place_abreast(station) - place)
+        let end = |bend: &Bending| match self.direction {
+            Direction::Forward => bend.places.1,
+            Direction::Backward => bend.places.0,
+        };
+        self.bends.iter().find(inside).map_or(0.0, |bend| end(bend) - place)
     }
 
     /// Where a point lies.
@@ -380,6 +429,20 @@ impl CurvedPath {
     fn point_abreast(&self, station: f64) -> Vector2<f64> {
         self.beside_line(self.line.frame(station)).point
     }
+}
+
+/// How far a rigid body of this length and width (m) comes to the right and to the left of the course by the smallest and the largest
+/// curvature under it (1/m, to the left).
+fn swung_out((least, most): (f64, f64), (length, width): (f64, f64)) -> (f64, f64) {
+    let half = width / 2.0;
+    let swings_out = |bend: f64| {
+        if bend <= 0.0 {
+            return half;
+        }
+        let radius = 1.0 / bend;
+        libm::hypot(radius + half, length / 2.0) - radius
+    };
+    (swings_out(most), swings_out(-least))
 }
 
 /// Where a function is 0 whose values at both ends differ in sign: by the false position with halving (Illinois). The end of one
@@ -493,6 +556,9 @@ mod tests {
             let pose = path.pose(place);
             let found = path.project(pose.point + pose.normal() * left);
             prop_assert!((found.place - place).abs() < 1e-8 && (found.left - left).abs() < 1e-9, "{found:?}");
+            let (frame, rough, roughness) = (path.frame(place), path.rough_frame(place), path.roughness());
+            prop_assert!((frame.point - rough.point).norm() <= roughness.0 && roughness.0 < 0.02, "{roughness:?}");
+            prop_assert!((frame.tangent - rough.tangent).norm() <= roughness.1 && roughness.1 < 0.01, "{roughness:?}");
             let curvature = pose.curvature;
             prop_assert!((found.curvature - curvature).abs() < 1e-6 || curvature != path.pose(place + 1e-6).curvature);
             // Its tangent is where it goes, and as fast as places say: no step of it is longer than its arc.

@@ -20,6 +20,8 @@ pub struct ReferenceLine {
     length: f64,
     /// The largest curvature to the right (at most 0) and to the left (at least 0), 1/m.
     tightest: (f64, f64),
+    /// What rough frames are wrong by at most: their points, m, and their tangents, of 1.
+    roughness: (f64, f64),
 }
 
 /// What a line is made from.
@@ -33,6 +35,8 @@ struct Written {
 #[derive(Debug, Clone, PartialEq)]
 struct PlacedPiece {
     piece: Piece,
+    /// How its curvature changes, 1/m².
+    change: f64,
     /// Station at which it begins, m.
     from: f64,
     /// Its pose there.
@@ -43,11 +47,23 @@ struct PlacedPiece {
     middle: Vector2<f64>,
     /// Of what bends: poses at even distances along it, both ends among them.
     knots: Vec<Knot>,
+    /// The same closer together, for rough frames.
+    marks: Marks,
+}
+
+/// Frames at even distances along a piece, both ends among them; none of what goes straight.
+#[derive(Debug, Clone, PartialEq, Default)]
+struct Marks {
+    /// From one to the next, m.
+    apart: f64,
+    frames: Vec<Frame>,
 }
 
 /// A pose along a piece, from which its neighbourhood is worked out.
 #[derive(Debug, Clone, PartialEq)]
 struct Knot {
+    /// How far along the piece, m.
+    at: f64,
     pose: Pose,
     /// Unit vector along it.
     tangent: Vector2<f64>,
@@ -72,6 +88,9 @@ const KNOTS: f64 = 1.0;
 /// … and between those of anything that bends it turns no more than this, rad.
 const TURN_BETWEEN: f64 = 0.25;
 
+/// Marks of anything that bends are no farther apart than this, m.
+const MARKS: f64 = 0.5;
+
 /// Places and weights of the 4-point rule of Gauss and Legendre on (0, 1): right to 1e-14 m between two knots.
 const GAUSS_4: [(f64, f64); 4] = [
     (0.069_431_844_202_973_71, 0.173_927_422_568_726_93),
@@ -79,6 +98,9 @@ const GAUSS_4: [(f64, f64); 4] = [
     (0.669_990_521_792_428_1, 0.326_072_577_431_273_07),
     (0.930_568_155_797_026_3, 0.173_927_422_568_726_93),
 ];
+
+/// Above what rounding does to frames, m and of 1.
+const ROUNDING: f64 = 1e-9;
 
 /// Steps of Newton's method, at most; …
 const STEPS: usize = 20;
@@ -97,7 +119,7 @@ impl ReferenceLine {
         }
         let start = Pose { curvature: 0.0, ..start };
         let (mut placed, mut from, mut at) = (Vec::with_capacity(pieces.len()), 0.0, start);
-        let mut tightest = (0.0_f64, 0.0_f64);
+        let (mut tightest, mut roughness) = ((0.0_f64, 0.0_f64), (0.0_f64, 0.0_f64));
         for (index, piece) in pieces.iter().enumerate() {
             let numbers = [piece.length, piece.from, piece.to, at.point.x, at.point.y, at.heading];
             if numbers.iter().any(|number| !number.is_finite()) {
@@ -111,11 +133,13 @@ impl ReferenceLine {
             from += piece.length;
             tightest.0 = tightest.0.min(piece.from).min(piece.to);
             tightest.1 = tightest.1.max(piece.from).max(piece.to);
+            let (point, tangent) = next.roughness();
+            roughness = (roughness.0.max(point), roughness.1.max(tangent));
             placed.push(next);
         }
         let end = Pose { curvature: 0.0, ..at };
         let directions = (start.tangent(), end.tangent());
-        Ok(Self { start, pieces: placed, end, directions, length: from, tightest })
+        Ok(Self { start, pieces: placed, end, directions, length: from, tightest, roughness })
     }
 
     /// m
@@ -146,6 +170,21 @@ impl ReferenceLine {
 
     /// The same with a unit vector for its heading, and sooner.
     pub(crate) fn frame(&self, station: f64) -> Frame {
+        self.frame_by(station, PlacedPiece::frame)
+    }
+
+    /// The same but for [`Self::roughness`], and sooner still.
+    pub(crate) fn rough_frame(&self, station: f64) -> Frame {
+        self.frame_by(station, PlacedPiece::rough_frame)
+    }
+
+    /// What rough frames are wrong by at most: their points, m, and their tangents, of 1.
+    pub(crate) fn roughness(&self) -> (f64, f64) {
+        self.roughness
+    }
+
+    #[inline]
+    fn frame_by(&self, station: f64, on: impl Fn(&PlacedPiece, f64) -> Frame) -> Frame {
         let straight = |end: &Pose, direction: Vector2<f64>, beyond: f64| Frame {
             point: end.point + direction * beyond,
             tangent: direction,
@@ -153,7 +192,7 @@ impl ReferenceLine {
         };
         match self.place(station) {
             Place::Before => straight(&self.start, self.directions.0, station),
-            Place::On(placed) => placed.frame(station - placed.from),
+            Place::On(placed) => on(placed, station - placed.from),
             Place::Beyond => straight(&self.end, self.directions.1, station - self.length),
         }
     }
@@ -246,19 +285,36 @@ enum Place<'a> {
 impl PlacedPiece {
     fn new(piece: Piece, from: f64, start: Pose) -> Self {
         let direction = start.tangent();
-        let mut placed = Self { piece, from, start, direction, middle: start.point, knots: Vec::new() };
+        let (change, middle) = (piece.change(), start.point);
+        let (knots, marks) = (Vec::new(), Marks::default());
+        let mut placed = Self { piece, change, from, start, direction, middle, knots, marks };
         placed.middle = placed.exact(piece.length / 2.0).point;
         let turning = piece.tightest() * piece.length;
         if turning > 0.0 {
-            let along = if piece.change() != 0.0 { piece.length / KNOTS } else { 1.0 };
+            let along = if change != 0.0 { piece.length / KNOTS } else { 1.0 };
             let parts = along.max(turning / TURN_BETWEEN).ceil().max(1.0) as usize;
             let knot = |part: usize| {
-                let pose = placed.exact(piece.length * part as f64 / parts as f64);
-                Knot { tangent: pose.tangent(), pose }
+                let at = piece.length * part as f64 / parts as f64;
+                let pose = placed.exact(at);
+                Knot { at, tangent: pose.tangent(), pose }
             };
             placed.knots = (0..=parts).map(knot).collect();
+            let parts = (piece.length / MARKS).ceil().max(1.0);
+            let apart = piece.length / parts;
+            let frames = (0..=parts as usize).map(|mark| placed.frame(mark as f64 * apart)).collect();
+            placed.marks = Marks { apart, frames };
         }
         placed
+    }
+
+    /// What rough frames on it are wrong by at most: their points, m, and their tangents, of 1.
+    fn roughness(&self) -> (f64, f64) {
+        // With the largest way w from a mark, the curvature κ and its change κ': κ w is the angle that is taken, κ' w²/2 what it lacks.
+        let way = self.marks.apart / 2.0;
+        let (angle, lacks) = (self.piece.tightest() * way, self.change.abs() * way * way / 2.0);
+        let turned = angle + lacks;
+        let point = way * (turned * turned / 6.0 + turned * turned * turned / 24.0 + lacks / 3.0);
+        (point + ROUNDING, lacks + turned * turned * turned + ROUNDING)
     }
 
     fn end(&self) -> f64 {
@@ -278,7 +334,8 @@ impl PlacedPiece {
     fn knot(&self, way: f64) -> Option<(&Knot, f64)> {
         let parts = self.knots.len().checked_sub(1)?;
         let index = ((way / self.piece.length * parts as f64) as usize).min(parts - 1);
-        Some((&self.knots[index], way - self.piece.length * index as f64 / parts as f64))
+        let knot = &self.knots[index];
+        Some((knot, way - knot.at))
     }
 
     /// The pose after `way` m, from the knot before it.
@@ -287,7 +344,7 @@ impl PlacedPiece {
             return Pose { point: self.start.point + self.direction * way, curvature: 0.0, ..self.start };
         };
         let turned = self.turned_from(knot, rest);
-        let curvature = knot.pose.curvature + self.piece.change() * rest;
+        let curvature = knot.pose.curvature + self.change * rest;
         Pose { point: self.led_from(knot, rest), heading: knot.pose.heading + turned, curvature }
     }
 
@@ -300,18 +357,32 @@ impl PlacedPiece {
         Frame {
             point: self.led_from(knot, rest),
             tangent: turned_onto(unit_of_small(self.turned_from(knot, rest)), knot.tangent),
-            curvature: knot.pose.curvature + self.piece.change() * rest,
+            curvature: knot.pose.curvature + self.change * rest,
+        }
+    }
+
+    /// The same but for what is neglected of the second order and above, from the nearest mark.
+    fn rough_frame(&self, way: f64) -> Frame {
+        let Marks { apart, frames } = &self.marks;
+        let Some(last) = frames.len().checked_sub(1) else { return self.frame(way) };
+        let mark = ((way / apart + 0.5) as usize).min(last);
+        let (frame, rest) = (&frames[mark], way - mark as f64 * apart);
+        let (normal, angle) = (frame.normal(), frame.curvature * rest);
+        Frame {
+            point: frame.point + (frame.tangent + normal * (angle / 2.0)) * rest,
+            tangent: (frame.tangent + normal * angle) * (1.0 - angle * angle / 2.0),
+            curvature: frame.curvature + self.change * rest,
         }
     }
 
     /// How far it turns within `rest` m of a knot, rad.
     fn turned_from(&self, knot: &Knot, rest: f64) -> f64 {
-        (knot.pose.curvature + self.piece.change() * rest / 2.0) * rest
+        (knot.pose.curvature + self.change * rest / 2.0) * rest
     }
 
     /// Where it leads from a knot within `rest` m.
     fn led_from(&self, knot: &Knot, rest: f64) -> Vector2<f64> {
-        if self.piece.change() == 0.0 {
+        if self.change == 0.0 {
             let led = arc_of_small(self.turned_from(knot, rest));
             return knot.pose.point + turned_onto(led, knot.tangent) * rest;
         }
@@ -323,7 +394,7 @@ impl PlacedPiece {
 
     /// How far along it the point of it is that is nearest to `point`, m, and the frame there.
     fn nearest(&self, point: Vector2<f64>) -> (f64, Frame) {
-        if self.piece.change() != 0.0 {
+        if self.change != 0.0 {
             return self.nearest_of_clothoid(point);
         }
         let (offset, length) = (point - self.start.point, self.piece.length);
@@ -358,8 +429,8 @@ impl PlacedPiece {
                 nearest = (index, distance);
             }
         }
-        let from = length * nearest.0 as f64 / (self.knots.len() - 1) as f64;
         let knot = &self.knots[nearest.0];
+        let from = knot.at;
         let at_knot = Frame { point: knot.pose.point, tangent: knot.tangent, curvature: knot.pose.curvature };
         let (mut way, mut frame) = (from, at_knot);
         for _ in 0..STEPS {

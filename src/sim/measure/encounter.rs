@@ -79,6 +79,8 @@ pub struct Encounter {
     /// Where the pedestrian lies, seen from the vehicle's path, at the beginning and at the end of the last step in which they were
     /// there.
     pub places: Option<(Located, Located)>,
+    /// The strip where the pedestrian lies at the end of that step, as distances beside the path as [`Located::beside`] counts them, m.
+    pub strip: (f64, f64),
     /// As [`Presence::met`], but for contact.
     near: bool,
 }
@@ -139,6 +141,7 @@ impl Encounters {
             time_to_collision: None,
             ahead: ContactAhead::new(world.path_of(car).course().is_some()),
             places: None,
+            strip: (0.0, 0.0),
             near: false,
         };
         let pedestrians = world.pedestrians.len();
@@ -307,11 +310,14 @@ impl Encounter {
         self.appeared.get_or_insert(step.time);
         self.time_to_collision = self.ahead.look(step.time + step.duration, car, new);
         // Where a step ends the next one begins.
-        let before = self.places.map_or_else(|| car.path.locate(old.position), |(_, before)| before);
-        // Who stands on is abreast of the same place.
-        let stands = self.places.is_some() && new.position == old.position && car.path.course().is_some();
-        let places = (before, if stands { before } else { car.path.locate(new.position) });
+        let locate = |position: Vector2<f64>| {
+            let known = step.abreast.known(vehicle, pedestrian, position);
+            known.unwrap_or_else(|| car.path.locate(position))
+        };
+        let before = self.places.map_or_else(|| locate(old.position), |(_, before)| before);
+        let places = (before, locate(new.position));
         self.places = Some(places);
+        self.strip = strip(car, &places.1);
         if !self.crosses {
             self.was_in_lane |= places.1.beside.abs() < self.half_lane;
             return;
@@ -387,7 +393,7 @@ impl Encounter {
         (old, new): (Located, Located),
     ) {
         let reach = half_extent(person, &new);
-        let (low, high) = strip(car, &new);
+        let (low, high) = self.strip;
         let Some((enter, leave)) = part_within(old.beside, new.beside, (low - reach.y, high + reach.y))
         else {
             self.leave_strip(step.time);

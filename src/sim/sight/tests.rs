@@ -190,12 +190,12 @@ fn people_look_over_cars_and_past_people_but_not_over_buses_and_boxes() {
             present: true,
         })
         .to_vec();
-    let vehicle = |place: f64, y: f64, length: f64| VehicleState {
-        motion: Longitudinal { travelled: place, speed: 0.0, acceleration: 0.0 },
-        path: Path::straight(y, Direction::Forward),
-        length,
-        width: 1.8,
-        steered: None,
+    let vehicle = |place: f64, y: f64, length: f64| {
+        VehicleState::new(
+            Path::straight(y, Direction::Forward),
+            Longitudinal { travelled: place, speed: 0.0, acceleration: 0.0 },
+            (length, 1.8),
+        )
     };
     let sees = |road: &scenario::Road, vehicles: &[VehicleState]| {
         let goal = scenario::Position { x: 0.0, y: 8.0 };

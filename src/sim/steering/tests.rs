@@ -15,7 +15,7 @@ fn steering(grip: f64) -> Steering {
 
 fn car(path: Path, speed: f64) -> VehicleState {
     let motion = Longitudinal { travelled: 0.0, speed, acceleration: 0.0 };
-    VehicleState { motion, path, length: 4.5, width: 1.8, steered: None }
+    VehicleState::new(path, motion, (4.5, 1.8))
 }
 
 fn straight(direction: Direction) -> Path {

@@ -284,7 +284,7 @@ impl Meeting {
         self.hidden = true;
         let travelled = seen.travelled + seen.speed * (time - last);
         let motion = Longitudinal { travelled, acceleration: 0.0, ..seen };
-        self.approaches(me, way, &VehicleState { motion, ..vehicle.clone() })
+        self.approaches(me, way, &vehicle.in_motion(motion))
     }
 
     /// How the conflict stands at these distances (m) to the conflict point.

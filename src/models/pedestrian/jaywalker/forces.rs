@@ -200,13 +200,11 @@ mod tests {
 
     /// Its front bumper at x = 0, 30 km/h.
     fn car(direction: Direction) -> VehicleState {
-        VehicleState {
-            motion: Longitudinal { travelled: -2.45, speed: 8.33, acceleration: 0.0 },
-            path: Path::straight(0.0, direction),
-            length: 4.9,
-            width: 2.1,
-            steered: None,
-        }
+        VehicleState::new(
+            Path::straight(0.0, direction),
+            Longitudinal { travelled: -2.45, speed: 8.33, acceleration: 0.0 },
+            (4.9, 2.1),
+        )
     }
 
     fn person(x: f64, y: f64) -> PedestrianState {
