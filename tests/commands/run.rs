@@ -524,6 +524,12 @@ mod interrupts {
 
     #[test]
     fn twice_stops_at_once() {
+        // On a busy machine the run may be over before the second one comes, which then tells nothing.
+        assert!((0..10).any(|_| is_stopped_by_two()), "it always ended as after one");
+    }
+
+    /// Whether two interrupts stopped it before it could sum up.
+    fn is_stopped_by_two() -> bool {
         let place = Place::new("");
         endless(&place, 0.0001);
         let mut child = start(&place, &["endless.scn", "-j", "1", "--status-level", "all"]);
@@ -535,7 +541,7 @@ mod interrupts {
         let mut rest = String::new();
         out.read_to_string(&mut rest).unwrap();
         assert_eq!(child.wait().unwrap().code(), Some(105));
-        assert!(!rest.contains("Summary"), "{rest}");
+        !rest.contains("Summary")
     }
 
     /// Interrupts a block after `evaluations` lines of its journals, alone and as a part of its suite, and lets it go on.

@@ -86,6 +86,9 @@ fn recorded_line(report: &SuiteReport, one: &RecordedReport, animated: &[String]
     }
     let said = match &one.trial_state() {
         TrialState::Errored(error) => error.message.to_string(),
+        TrialState::Judged(judged) if judged.verdict == Verdict::Inconclusive => {
+            format!("recorded before, could not be decided again{}", recorded_remark(one))
+        }
         _ => format!("recorded before, fails again{}", recorded_remark(one)),
     };
     let command = ReplayCommand::of_run(report, &one.recorded.key, animated);
@@ -136,6 +139,8 @@ fn unfinished(report: &SuiteReport, animated: &[String]) -> Vec<FailureLine> {
 
 #[cfg(test)]
 mod tests {
+    use results::RecordedState;
+
     use super::*;
     use crate::fixture::Session;
 
@@ -155,6 +160,15 @@ mod tests {
         // The errored trial has a line of its own.
         assert_eq!(lines.len(), failing + blocks.count() + recorded + 1);
         assert!(with("error") >= 1);
+        let mut undecided = report;
+        for one in &mut undecided.recorded {
+            if let RecordedState::Ran(rerun) = &mut one.state {
+                rerun.judged.verdict = Verdict::Inconclusive;
+            }
+        }
+        let (lines, _) = failure_lines(&undecided, &[]);
+        assert!(lines.iter().any(|line| line.said.contains("could not be decided again")), "{lines:?}");
+        assert!(lines.iter().all(|line| !line.said.contains("fails again")), "{lines:?}");
         let cut = session.interrupted();
         let (lines, _) = failure_lines(&cut, &[]);
         assert!(lines.iter().any(|line| line.class == "not finished"), "{lines:?}");
