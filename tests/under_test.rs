@@ -4,6 +4,8 @@
 
 #[path = "under_test/child.rs"]
 mod child;
+#[path = "under_test/estimates.rs"]
+mod estimates;
 #[cfg(feature = "fmu")]
 #[path = "under_test/fmus.rs"]
 mod fmus;
@@ -28,6 +30,7 @@ use libtest_mimic::{Arguments, Failed, Trial};
 use models::standard;
 use scenario_runner::cli;
 
+use estimates::a_program_that_dies_in_one_of_many_runs_leaves_no_number;
 use permission::{nothing_runs_that_is_not_allowed, what_is_allowed_runs_until_it_is_another};
 use second_runs::{
     a_recorded_failure_of_chance_is_kept, what_goes_by_the_clock_is_not_deterministic,
@@ -696,6 +699,7 @@ fn main() -> ExitCode {
         a_trial_with_faults_finishes_its_other_runs,
         a_fault_in_a_block_names_the_values,
         what_crashes_now_and_then_is_not_given_up,
+        a_program_that_dies_in_one_of_many_runs_leaves_no_number,
         a_slow_program_does_not_outlast_a_time_limit,
         what_goes_by_the_clock_is_not_deterministic,
         what_is_deterministic_is_not_warned_of,

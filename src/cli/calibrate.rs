@@ -8,6 +8,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use super::experiment::{self, ExperimentArguments};
 use super::programs::{ProgramArguments, VerifyArguments};
+use super::run::output::BlockOutputArguments;
 use super::set::SetArguments;
 use super::{Exit, number, store};
 use files::Disk;
@@ -197,6 +198,7 @@ pub fn run(arguments: &CalibrateArguments, registry: &Registry) -> Exit {
             verify: arguments.verify,
             save: arguments.out.clone(),
             json: arguments.json.clone(),
+            output: BlockOutputArguments::default(),
             journal: arguments.journal.clone().unwrap_or_else(|| PathBuf::from(store::JOURNAL)),
             no_progress: arguments.no_progress,
             plots: experiment::Plots {

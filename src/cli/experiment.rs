@@ -8,6 +8,9 @@ use clap::Args;
 use super::interrupt::stop_on_interrupt;
 use super::programs::{ProgramArguments, VerifyArguments};
 use super::progress::shows_progress;
+use super::run::estimate_tries::EstimateTries;
+use super::run::output::{self, BlockOutputArguments};
+use super::run::targets;
 use super::set::SetArguments;
 use super::{Exit, load, store};
 use report::console::{stderr, stdout};
@@ -57,6 +60,9 @@ pub struct ExperimentArguments {
     #[arg(long, value_name = "PATH")]
     pub(super) json: Option<PathBuf>,
 
+    #[command(flatten)]
+    pub(super) output: BlockOutputArguments,
+
     /// Where a run that is cut off leaves its journal, from which the same command goes on.
     #[arg(long, value_name = "DIR", default_value = store::JOURNAL)]
     pub(super) journal: PathBuf,
@@ -97,6 +103,14 @@ fn run(arguments: &ExperimentArguments, kind: &'static str, registry: &Registry)
         Err(exit) => return exit,
     };
     let suites = project.suites();
+    let output = arguments.output.of_session();
+    let mut written = output.files();
+    written.extend(arguments.json.as_deref().map(|path| ("--json", path)));
+    if let Err(complaint) = targets::check(&written, &targets::read_by(suites)) {
+        writeln!(stderr(), "error: {complaint}");
+        writeln!(stderr(), "help: name another file; nothing was run, and nothing was written");
+        return Exit::Usage;
+    }
     let units = session::units(suites);
     let Some(wanted) = (0..units.len()).find(|unit| is_called(units.kind(*unit), kind, &arguments.name))
     else {
@@ -117,15 +131,25 @@ fn run(arguments: &ExperimentArguments, kind: &'static str, registry: &Registry)
         .journals(&arguments.journal)
         .stopped_by(&stop)
         .verify_runs(arguments.verify.runs())
-        .courses(false);
+        .courses(output.draw_runs())
+        .every_trial(output.need_every_trial(false));
     let mut watcher = Terminal::quiet(shows_progress(arguments.no_progress).then(Live::new));
-    let results =
-        session.run_units(&units, &Selection::marked(asked), &mut watcher).expect("a block is selected");
+    let mut complaints = Vec::new();
+    let mut results =
+        session.run_units(&units, &Selection::marked(asked), &mut watcher).unwrap_or_else(|error| {
+            complaints.push(error.to_string());
+            error.results()
+        });
+    EstimateTries::note(&mut results.suites);
     let reports = &results.suites;
     let done = reports.iter().flat_map(|report| &report.blocks);
     let shown: Vec<_> = done.clone().filter_map(BlockReport::result).map(render_block).collect();
     write!(stdout(), "{}", shown.join("\n"));
     stderr().styled(&render_controllers(reports, colour));
+    complaints.extend(output::write(&output, &results, false));
+    for complaint in &complaints {
+        writeln!(stderr(), "error: {complaint}");
+    }
     if stop.is_requested() {
         let folder = arguments.journal.display();
         writeln!(stderr(), "interrupted: what was evaluated is kept in {folder}");
@@ -146,7 +170,8 @@ fn run(arguments: &ExperimentArguments, kind: &'static str, registry: &Registry)
     }
     if let Some(error) = done.clone().find_map(error) {
         writeln!(stderr(), "error: {error}");
-        return Exit::Scenario;
+        // What a program did is no error of the file.
+        return if done.clone().any(has_faults) { Exit::Failed } else { Exit::Scenario };
     }
     let key = units.key(wanted);
     let Some((block, result)) = done.filter(|one| one.key == key).find_map(|one| {
@@ -176,6 +201,9 @@ fn run(arguments: &ExperimentArguments, kind: &'static str, registry: &Registry)
         .and_then(|()| plots.iter().try_for_each(|(path, content)| save(path, content)));
     if let Err((path, error)) = saved {
         writeln!(stderr(), "error: cannot write {}: {error}", path.display());
+        return Exit::Output;
+    }
+    if !complaints.is_empty() {
         return Exit::Output;
     }
     if let (BlockResult::Estimate(_), Some(why)) = (result, result.failure()) {
@@ -220,6 +248,10 @@ fn error(report: &BlockReport) -> Option<String> {
         }
         BlockState::Finished(_) | BlockState::NotFinished(_) | BlockState::Skipped(_) => None,
     }
+}
+
+fn has_faults(report: &BlockReport) -> bool {
+    matches!(&report.state, BlockState::Errored(error) if !error.faults.is_empty())
 }
 
 /// The result as others use it; `None` if a tune chose nothing.

@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::time::{Duration, SystemTime};
 
 use blocks::{blocks, found, tuned};
-pub use blocks::{evaluation, search_result, statement};
+pub use blocks::{calibration, evaluation, search_result, statement};
 use results::{
     BlockReport, BlockResult, BlockState, Critical, Cut, Outcome, Program, Reason, Recorded, RecordedReport,
     RecordedState, Requests, Rerun, Results, RunsTaken as Stopped, Skip, Stopping, SuiteIdentity,

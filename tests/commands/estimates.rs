@@ -127,3 +127,71 @@ fn the_example_tells_events_in_1_000_km_with_the_source_of_the_exposure() {
         stderr(&plain)
     );
 }
+
+/// Who tries seeds or budgets until an estimate passes has shown nothing, and every report says so; until those that failed pass.
+#[test]
+fn other_seeds_and_budgets_that_did_not_pass_are_told() {
+    let folder = folder(&WALK.replace("<= 1e-5", "<= 1e-7"));
+    let path = folder.path();
+    let store = path.join(".scenario-runner/estimates.json");
+    let run = |arguments: &[&str]| {
+        let output = scenario_runner(path, &[arguments, &["--no-progress"]].concat());
+        (output.status.code(), stdout(&output) + &stderr(&output))
+    };
+    let told = "other seeds or budgets were tried before";
+    for (arguments, seen) in
+        [(&["estimate", "hit", "walk.scn"][..], false), (&["walk.scn", "--seed", "2"], true)]
+    {
+        let (code, text) = run(arguments);
+        assert_eq!(code, Some(100), "{text}");
+        assert_eq!(text.contains(told), seen, "{text}");
+    }
+    // With another budget and a claim that holds it passes, and says what went before.
+    let write = |text: String| fs::write(path.join("walk.scn"), text).unwrap();
+    write(WALK.replace("4000 runs", "3000 runs"));
+    let said = format!(
+        "{told}: 2, of which 2 did not pass: seed 1 with 4000 runs by importance, seed 2 with 4000 runs by importance"
+    );
+    let files = ["--json", "r.json", "--junit", "r.xml", "--html", "r.html"];
+    for command in [&["walk.scn"][..], &["estimate", "hit", "walk.scn"]] {
+        let (code, text) = run(&[command, &files].concat());
+        assert!(code == Some(0) && text.contains(&said), "{text}");
+        for file in ["r.json", "r.xml", "r.html"] {
+            assert!(fs::read_to_string(path.join(file)).unwrap().contains(&said), "{file}");
+        }
+    }
+    // Those that failed are forgotten once they pass.
+    write(WALK.to_string());
+    let (_, text) = run(&["walk.scn", "--seed", "1"]);
+    assert!(text.contains(&format!("{told}: 2, of which 1 did not pass: seed 2 with 4000 runs")), "{text}");
+    let (_, text) = run(&["estimate", "hit", "walk.scn", "--seed", "2"]);
+    assert!(!text.contains(told), "{text}");
+    assert!(!store.exists());
+}
+
+#[test]
+fn the_commands_of_one_block_write_reports() {
+    let search = "search near {\n  in walk\n  over far in 60 m .. 90 m\n  minimise min_distance\n  budget 6 evaluations, 3 random first\n}\n";
+    let folder = folder(&(WALK.to_string() + search));
+    let path = folder.path();
+    for (command, name) in [("estimate", "hit"), ("search", "near")] {
+        let files = ["--html=r.html", "--junit=r.xml", "--tap=r.tap", "--github"];
+        let output =
+            scenario_runner(path, &[&[command, name, "walk.scn", "--no-progress"], &files[..]].concat());
+        assert_eq!(output.status.code(), Some(0), "{}{}", stdout(&output), stderr(&output));
+        let read = |name: &str| fs::read_to_string(path.join(name)).unwrap();
+        assert!(read("r.html").contains(name) && read("r.html").contains("<svg"), "{command}");
+        assert!(read("r.xml").contains(&format!("{command}={name}")), "{command}: {}", read("r.xml"));
+        assert!(read("r.tap").contains(&format!("{command}={name}")), "{command}: {}", read("r.tap"));
+    }
+    // What they read is not written over, nor one report by another.
+    for (files, words) in [
+        (["--html=walk.scn", "--json=r.json"], "would replace a scenario"),
+        (["--html=r.html", "--json=r.html"], "would both be written"),
+    ] {
+        let output = scenario_runner(path, &[&["estimate", "hit", "walk.scn"], &files[..]].concat());
+        assert_eq!(output.status.code(), Some(2), "{}", stderr(&output));
+        assert!(stderr(&output).contains(words), "{}", stderr(&output));
+    }
+    assert!(fs::read_to_string(path.join("walk.scn")).unwrap().contains("estimate hit"));
+}

@@ -1,5 +1,6 @@
 //! `scenario-runner FILES`: runs suites, reports every trial and block, writes the reports that were asked for.
 
+pub mod estimate_tries;
 mod hints;
 mod listed;
 pub mod output;
@@ -32,6 +33,7 @@ use results::{Overall, SuiteReport};
 use runner::session::{self, Selection, Session};
 use scenario::registry::Registry;
 
+use self::estimate_tries::EstimateTries;
 use self::listed::{ListFormat, list};
 use self::parent::ServedByParent;
 pub use self::remember::LastRun;
@@ -253,13 +255,9 @@ pub fn run(arguments: RunArguments, registry: &Registry, program: &Command) -> E
     let suites = project.suites();
     let baselines: BTreeSet<&str> =
         suites.iter().flat_map(|suite| &suite.suite.gates).map(|gate| gate.baseline.as_str()).collect();
-    let scenarios = suites.iter().flat_map(|suite| &suite.suite.scenarios);
-    let people = scenarios.flat_map(|one| &one.pedestrians).filter_map(|one| one.individuals.as_ref());
-    let populations = people.map(|people| people.population.as_str());
-    let read: Vec<&str> = baselines.iter().copied().chain(populations).collect();
     let mut written = arguments.output.files();
     written.extend(arguments.record_wire.as_deref().map(|path| ("--record-wire", path)));
-    if let Err(complaint) = targets::check(&written, &read) {
+    if let Err(complaint) = targets::check(&written, &targets::read_by(suites)) {
         writeln!(stderr(), "error: {complaint}");
         writeln!(stderr(), "help: name another file; nothing was run, and nothing was written");
         return Exit::Usage;
@@ -356,10 +354,13 @@ pub fn run(arguments: RunArguments, registry: &Registry, program: &Command) -> E
     let max_failures = if arguments.fail_fast { Some(1) } else { arguments.max_fail.0 };
     let selection = Selection::marked(chosen).until_failures(max_failures);
     let mut complaints = Vec::new();
-    let results = session.run_units(&units, &selection, &mut learning).unwrap_or_else(|error| {
+    let mut results = session.run_units(&units, &selection, &mut learning).unwrap_or_else(|error| {
         complaints.push(error.to_string());
         error.results()
     });
+    for told in EstimateTries::note(&mut results.suites) {
+        writeln!(stderr(), "warning: {told}");
+    }
     let reports = &results.suites;
     stdout().styled(&render_controllers(reports, colour));
     stdout().styled(&render_ratings(reports, colour));

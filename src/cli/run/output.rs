@@ -44,6 +44,34 @@ pub struct OutputArguments {
     csv: Option<PathBuf>,
 }
 
+/// Reports of a command that runs one block. What its `--json` writes is its result alone, and it makes no runs of trials.
+#[derive(Debug, Clone, Default, Args)]
+pub struct BlockOutputArguments {
+    /// Write a JUnit XML report.
+    #[arg(long, value_name = "PATH")]
+    junit: Option<PathBuf>,
+
+    /// Write a TAP 14 report.
+    #[arg(long, value_name = "PATH")]
+    tap: Option<PathBuf>,
+
+    /// Write one HTML file with tables, charts and animations of the worst runs.
+    #[arg(long, value_name = "PATH")]
+    html: Option<PathBuf>,
+
+    /// Print GitHub annotations and append to the step's summary.
+    #[arg(long)]
+    github: bool,
+}
+
+impl BlockOutputArguments {
+    /// As those of a session.
+    pub fn of_session(&self) -> OutputArguments {
+        let Self { junit, tap, html, github } = self.clone();
+        OutputArguments { junit, json: None, tap, github, html, runs: None, csv: None }
+    }
+}
+
 impl OutputArguments {
     /// Every report that is to be a file, by its option.
     pub fn files(&self) -> Vec<(&'static str, &Path)> {

@@ -2,8 +2,18 @@
 
 use std::path::{Path, PathBuf};
 
+use runner::project::PlannedSuite;
+
 /// The endings of files that people write.
 const WRITTEN_BY_HAND: [&str; 4] = ["scn", "suite", "yaml", "yml"];
+
+/// The baselines and populations that suites read.
+pub fn read_by(suites: &[PlannedSuite]) -> Vec<&str> {
+    let gates = suites.iter().flat_map(|suite| &suite.suite.gates);
+    let scenarios = suites.iter().flat_map(|suite| &suite.suite.scenarios);
+    let people = scenarios.flat_map(|one| &one.pedestrians).filter_map(|one| one.individuals.as_ref());
+    gates.map(|gate| gate.baseline.as_str()).chain(people.map(|people| people.population.as_str())).collect()
+}
 
 /// Looks at where each option's report is to go, before anything runs. `read` are the other files that the session reads.
 ///

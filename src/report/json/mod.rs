@@ -421,7 +421,7 @@ pub(super) fn plain(value: &impl Serialize) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fixture::{Session, evaluation, statement};
+    use crate::fixture::{Session, calibration, evaluation, statement};
     use crate::schema::violations;
     use results::{AnswerTimes, BlockResult, Conclusion, DifferingRun, TestedController};
     use scenario::{DeclaredStanding, FaultKind, ProgramFault};
@@ -512,10 +512,15 @@ mod tests {
         let unknown = Conclusion::NotComparable("nobody was run".into());
         for result in [
             BlockResult::Evaluate(evaluation()),
+            BlockResult::Calibrate(calibration()),
             BlockResult::Statement(statement(DeclaredStanding::Reproduced, unknown)),
             BlockResult::Statement(statement(differs, Conclusion::NotReproduced)),
         ] {
-            let kind = if matches!(result, BlockResult::Evaluate(_)) { "evaluate" } else { "statement" };
+            let kind = match result {
+                BlockResult::Evaluate(_) => "evaluate",
+                BlockResult::Calibrate(_) => "calibrate",
+                _ => "statement",
+            };
             blocks.push(json!({
                 "key": "zebra/one",
                 "kind": kind,
