@@ -9,7 +9,7 @@ use scenario::{
     Settings, Shape, Side, VehicleSetup, VehicleStart, World,
 };
 use sim::measure::{FreeFlow, Measurement};
-use sim::{Longitudinal, Mode, Observer, PedestrianState, Snapshot, Step, VehicleState};
+use sim::{Abreast, Longitudinal, Mode, Observer, PedestrianState, Snapshot, Step, VehicleState};
 
 fn main() {
     divan::main();
@@ -58,6 +58,7 @@ fn measure(bencher: Bencher, names: &[&str]) {
                     motions: &[],
                     contacts: &[],
                     sightings: &[],
+                    abreast: &Abreast::default(),
                 });
             }
         });
@@ -69,13 +70,11 @@ fn state(k: usize) -> Snapshot {
     let braking = time.min(4.0);
     let travelled = -80.0 + 10.0 * time - 0.5 * braking * braking - 4.0 * (time - braking);
     Snapshot {
-        vehicles: vec![VehicleState {
-            motion: Longitudinal { travelled, speed: 10.0 - braking, acceleration: 0.0 },
-            path: Path::straight(0.0, Direction::Forward),
-            length: 4.5,
-            width: 2.0,
-            steered: None,
-        }],
+        vehicles: vec![VehicleState::new(
+            Path::straight(0.0, Direction::Forward),
+            Longitudinal { travelled, speed: 10.0 - braking, acceleration: 0.0 },
+            (4.5, 2.0),
+        )],
         pedestrians: vec![PedestrianState {
             position: Vector2::new(0.0, -4.0 + 1.4 * (time - 3.0).max(0.0)),
             velocity: Vector2::new(0.0, if time > 3.0 { 1.4 } else { 0.0 }),
