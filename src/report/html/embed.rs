@@ -11,6 +11,7 @@ use crate::replay::describe;
 use files::escape::html_characters;
 use results::{Chosen, Recording, Requests, SuiteReport, Verdict};
 use scenario::{CrossingKind, Side, TrafficSignal};
+use sim::Happening;
 
 /// All of them together may take this much of the page, in bytes.
 const MOST_BYTES: usize = 3_000_000;
@@ -160,6 +161,13 @@ fn run(reports: &[SuiteReport], recording: &Recording, reason: &str, told: &RunT
         if let Some(person) = person.filter(|person| !person.kind.is_pedestrian()) {
             user["rides"] = person.kind.word().into();
         }
+        let modes = modes(recording, who);
+        if !modes.is_empty() {
+            user["modes"] = modes.into();
+        }
+        if case.world.vehicles.get(who).is_some_and(|car| car.sees.is_some()) {
+            user["shown"] = shown(recording, who).into();
+        }
         user
     });
     let events = recording
@@ -219,6 +227,31 @@ fn run(reports: &[SuiteReport], recording: &Recording, reason: &str, told: &RunT
     })
 }
 
+/// From when on (s) a road user is up to what, in its model's own words.
+fn modes(recording: &Recording, who: usize) -> Vec<Value> {
+    let of = recording.events.iter().filter(|event| event.who == recording.name(who));
+    let modes = of.filter_map(|event| match &event.what {
+        Happening::Mode(mode) => Some(json!([rounded(event.time), quoted(mode.as_str())])),
+        _ => None,
+    });
+    modes.collect()
+}
+
+/// When (s) the controller of a vehicle that does not see everything begins to be shown another road user (by its index), or is not shown it any more.
+fn shown(recording: &Recording, who: usize) -> Vec<Value> {
+    let name = recording.name(who);
+    let index = |other: &str| (0..recording.users.len()).find(|index| recording.name(*index) == other);
+    let changes = recording.events.iter().filter_map(|event| {
+        let is_shown = match &event.what {
+            Happening::ComesIntoSight { of } if of == name => true,
+            Happening::IsLostFromSight { of } if of == name => false,
+            _ => return None,
+        };
+        Some(json!([rounded(event.time), index(&event.who)?, is_shown]))
+    });
+    changes.collect()
+}
+
 fn point(point: Vector2<f64>) -> Value {
     json!([rounded(point.x), rounded(point.y)])
 }
@@ -246,7 +279,7 @@ mod tests {
     use super::*;
     use scenario::geometry::{Piece, Pose, ReferenceLine};
     use scenario::{Bend, Case, Position};
-    use sim::{Mode, Sample, Trace};
+    use sim::{Mode, Sample, TimelineEvent, Trace};
 
     /// A car that drives round a turn at 5 m/s, from 25 m before a crossing in its middle, and somebody who crosses it at 1 m/s.
     fn recorded() -> Recording {
@@ -337,6 +370,30 @@ mod tests {
         assert!((number(&points[0][0]) + 25.0).abs() < 0.01 && (number(&points[0][1]) + 4.0).abs() < 0.01);
         let at = |time: usize| &points[time * 10];
         assert!(number(&at(5)[0]).abs() < 0.011 && number(&at(4)[1]).abs() < 0.011, "{} {}", at(5), at(4));
+    }
+
+    #[test]
+    fn what_somebody_is_up_to_and_what_a_vehicle_is_shown_go_along() {
+        let mut recording = recorded();
+        let event = |time: f64, who: usize, what: Happening| TimelineEvent {
+            time,
+            who: recorded().name(who).to_string(),
+            what,
+        };
+        let car = recording.name(0).to_string();
+        recording.events = vec![
+            event(0.5, 1, Happening::ComesIntoSight { of: "somebody else".into() }),
+            event(1.0, 0, Happening::Mode(Mode::new("brakes"))),
+            event(1.5, 1, Happening::ComesIntoSight { of: car.clone() }),
+            event(2.0, 1, Happening::Mode(Mode::new("walking"))),
+            event(2.5, 1, Happening::IsLostFromSight { of: car }),
+        ];
+        let drawn = shown(&recording);
+        assert_eq!(drawn["users"][0]["modes"], json!([[1, "brakes"]]));
+        assert_eq!(drawn["users"][1]["modes"], json!([[2, "walking"]]));
+        // Of who sees everything nothing has to be said.
+        assert_eq!(drawn["users"][0]["shown"], Value::Null);
+        assert_eq!(super::shown(&recording, 0), [json!([1.5, 1, true]), json!([2.5, 1, false])]);
     }
 
     #[test]

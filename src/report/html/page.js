@@ -75,8 +75,8 @@
     if (parent) parent.append(made);
     return made;
   };
-  const view = byId("view"), plane = byId("plane"), slider = byId("time");
-  let run, time = 0, playing = false, last = 0, until = Infinity, update = () => {};
+  const view = byId("view"), plane = byId("plane"), slider = byId("time"), following = byId("followed");
+  let run, followed = null, time = 0, playing = false, last = 0, until = Infinity, update = () => {};
 
   // The place of a road user at a time, linear between the recorded ones; null before it appears.
   const placeAt = (user, at) => {
@@ -101,7 +101,8 @@
     const road = run.road, narrow = view.clientWidth > 0 && view.clientWidth < 560;
     const people = run.users.filter((user) => user.kind === "pedestrian").flatMap((user) => user.y).filter((y) => y !== null);
     // A road that bends or has several crossings says what of it matters; another is shown about its crossing.
-    const [left, right] = road.view ? [road.view[0], road.view[2]] : narrow ? [-21, 9] : [-42, 16];
+    const fixed = road.view ? [road.view[0], road.view[2]] : narrow ? [-21, 9] : [-42, 16];
+    const [left, right] = fixed;
     const low = road.view ? road.view[1] : Math.max(road.near - 9, Math.min(road.near - 3.2, ...people.map((y) => y - 1.8)));
     const high = road.view ? road.view[3] : Math.min(road.far + 9, Math.max(road.far + 3.2, ...people.map((y) => y + 1.8)));
     const flip = (y) => low + high - y;
@@ -114,6 +115,9 @@
     const lamp = road.signal && element("circle", { cx: road.lamp[0], cy: flip(road.lamp[1]), r: 0.45 }, view);
     // Where vehicles stop, as their signal shows.
     const lines = road.signal ? road.stop_lines.map(([[x, y], [toX, toY]]) => element("path", { d: `M${x} ${flip(y)}L${toX} ${flip(toY)}` }, view)) : [];
+    // What a vehicle that does not see everything is shown, and what not.
+    const looks = run.users.filter((user) => user.shown).flatMap((user) =>
+      run.users.map((other, index) => ({ user, other, index, line: other === user ? null : element("path", { class: "look" }, view) })).filter(({ line }) => line));
     const bar = element("g", {}, view);
     element("path", { d: `M${right - 11} ${low + 0.9}v.5h10v-.5`, fill: "none", stroke: "var(--muted)", "stroke-width": 0.1 }, bar);
     element("text", { x: right - 6, y: low + 1.1, "font-size": size, "text-anchor": "middle" }, bar, "10 m");
@@ -131,6 +135,18 @@
       return { user, trail, body, label };
     });
     return () => {
+      const middle = followed && placeAt(followed, time);
+      const [aside, down] = middle ? [middle.x - (fixed[0] + fixed[1]) / 2, flip(middle.y) - (low + high) / 2] : [0, 0];
+      const [left, right, top, bottom] = [fixed[0] + aside, fixed[1] + aside, low + down, high + down];
+      view.setAttribute("viewBox", `${left} ${top} ${right - left} ${high - low}`);
+      bar.setAttribute("transform", `translate(${aside} ${down})`);
+      for (const { user, other, index, line } of looks) {
+        const [from, to] = [placeAt(user, time), placeAt(other, time)];
+        line.setAttribute("visibility", from && to ? "visible" : "hidden");
+        if (!from || !to) continue;
+        line.setAttribute("class", isShown(user, index) ? "look" : "look hidden");
+        line.setAttribute("d", `M${from.x} ${flip(from.y)}L${to.x} ${flip(to.y)}`);
+      }
       if (lamp) {
         const [cycle, from, green, amber, clearance] = road.signal;
         const since = (((time - from) % cycle) + cycle) % cycle;
@@ -152,13 +168,14 @@
         const speed = `${user.name}${user.rides ? ` (${user.rides})` : ""} ${place.v.toFixed(1)} m/s`;
         const reach = road.view ? Math.max(user.length, user.width) : user.width;
         const [above, below] = [flip(place.y) - reach / 2 - 0.38 * size, flip(place.y) + reach / 2 + 1.05 * size];
-        const fits = user.kind === "vehicle" ? above > low + size : below > high - 0.2 * size;
-        const y = Math.min(high - 0.3 * size, Math.max(low + size, fits ? above : below));
+        const fits = user.kind === "vehicle" ? above > top + size : below > bottom - 0.2 * size;
+        const y = Math.min(bottom - 0.3 * size, Math.max(top + size, fits ? above : below));
         // Who is outside the picture is announced at its edge.
-        const beside = place.x < left || place.x > right, beyond = place.y < low || place.y > high;
+        const beside = place.x < left || place.x > right, beyond = flip(place.y) < top || flip(place.y) > bottom;
         if (beside || beyond) {
-          const middle = road.middle, far = Math.round(road.view ? Math.hypot(place.x - middle[0], place.y - middle[1]) : Math.abs(place.x));
-          const arrow = beside ? (place.x < left ? "◀" : "▶") : place.y < low ? "▼" : "▲";
+          const from = middle ? [middle.x, middle.y] : road.middle;
+          const far = Math.round(road.view || middle ? Math.hypot(place.x - from[0], place.y - from[1]) : Math.abs(place.x));
+          const arrow = beside ? (place.x < left ? "◀" : "▶") : flip(place.y) > bottom ? "▼" : "▲";
           const before = beside ? place.x < left : place.x < (left + right) / 2;
           label.textContent = before ? `${arrow} ${speed}, ${far} m away` : `${speed}, ${far} m away ${arrow}`;
           const wide = size * 0.55 * label.textContent.length;
@@ -242,6 +259,32 @@
     };
   };
 
+  // Whether a vehicle is shown a road user (by its index), and what somebody is up to, now.
+  const isShown = (user, index) => {
+    const past = user.shown.filter(([at, who]) => who === index && at <= time + 1e-9);
+    return past.length > 0 && past[past.length - 1][2];
+  };
+  const modeOf = (user) => {
+    const past = (user.modes || []).filter(([at]) => at <= time + 1e-9);
+    return past.length ? past[past.length - 1][1] : "";
+  };
+
+  // Everybody in words: what they are up to, how fast they are, whom a vehicle is not shown.
+  const drawStates = () => {
+    const items = run.users.map((user) => ({ user, item: document.createElement("li") }));
+    byId("states").replaceChildren(...items.map(({ item }) => item));
+    return () => {
+      for (const { user, item } of items) {
+        const place = placeAt(user, time);
+        item.hidden = !place;
+        if (!place) continue;
+        const unseen = user.shown ? run.users.filter((other, index) => other !== user && placeAt(other, time) && !isShown(user, index)) : [];
+        const mode = modeOf(user), blind = unseen.length ? `, not shown: ${unseen.map((other) => other.name).join(", ")}` : "";
+        item.textContent = `${user.name}: ${mode ? `${mode}, ` : ""}${place.v.toFixed(1)} m/s${blind}`;
+      }
+    };
+  };
+
   const drawEvents = () => {
     const list = byId("events");
     list.replaceChildren();
@@ -321,7 +364,7 @@
     else requestAnimationFrame(frame);
   };
   const redraw = () => {
-    const parts = [drawView(), drawPlane(), drawEvents(), drawCursors()];
+    const parts = [drawView(), drawStates(), drawPlane(), drawEvents(), drawCursors()];
     update = () => parts.forEach((part) => part());
     update();
   };
@@ -331,6 +374,9 @@
     byId("choice").value = index;
     byId("command").textContent = run.command;
     slider.max = run.times[run.times.length - 1];
+    followed = null;
+    const names = ["nobody", ...run.users.map((user) => user.name)];
+    following.replaceChildren(...names.map((name, at) => new Option(name, at)));
     drawWhy();
     redraw();
     if (run.moment !== null) return show(run.moment);
@@ -347,6 +393,7 @@
     byId("choice").append(option);
   });
   byId("choice").addEventListener("change", (event) => choose(+event.target.value));
+  following.addEventListener("change", () => { followed = run.users[following.value - 1] || null; update(); });
   slider.addEventListener("input", () => { pause(); show(+slider.value); });
   const play = () => {
     playing = true;
