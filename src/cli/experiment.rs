@@ -8,7 +8,7 @@ use clap::Args;
 use super::interrupt::stop_on_interrupt;
 use super::programs::{ProgramArguments, VerifyArguments};
 use super::progress::shows_progress;
-use super::run::estimate_tries::EstimateTries;
+use super::run::estimate_tries;
 use super::run::output::{self, BlockOutputArguments};
 use super::run::targets;
 use super::set::SetArguments;
@@ -140,7 +140,7 @@ fn run(arguments: &ExperimentArguments, kind: &'static str, registry: &Registry)
             complaints.push(error.to_string());
             error.results()
         });
-    EstimateTries::note(&mut results.suites);
+    estimate_tries::note(&mut results.suites);
     let reports = &results.suites;
     let done = reports.iter().flat_map(|report| &report.blocks);
     let shown: Vec<_> = done.clone().filter_map(BlockReport::result).map(render_block).collect();

@@ -10,6 +10,7 @@ mod remember;
 mod seeds;
 mod select;
 pub mod targets;
+mod tries;
 pub mod watch;
 mod wire;
 
@@ -33,7 +34,6 @@ use results::{Overall, SuiteReport};
 use runner::session::{self, Selection, Session};
 use scenario::registry::Registry;
 
-use self::estimate_tries::EstimateTries;
 use self::listed::{ListFormat, list};
 use self::parent::ServedByParent;
 pub use self::remember::LastRun;
@@ -358,7 +358,7 @@ pub fn run(arguments: RunArguments, registry: &Registry, program: &Command) -> E
         complaints.push(error.to_string());
         error.results()
     });
-    for told in EstimateTries::note(&mut results.suites) {
+    for told in estimate_tries::note(&mut results.suites) {
         writeln!(stderr(), "warning: {told}");
     }
     let reports = &results.suites;
