@@ -4,6 +4,7 @@
 use proptest::prelude::*;
 use sim::StopReason;
 
+use crate::meetings::dummy_along;
 use crate::support::text::{Measured, measured, planned};
 
 fn assert_alike(one: &Measured, other: &Measured, what: &str) -> usize {
@@ -219,8 +220,8 @@ proptest! {
             "arc 200 deg radius 60 m left",
         ]),
     ) {
-        let (way, side) = (if against { "against" } else { "with" }, if far { "from far side;" } else { "" });
-        let behind = if reference < 0.0 { "behind" } else { "ahead of" };
+        let walks = format!("scripted {{ speed: {pace} m/s }}");
+        let dummy = dummy_along(&walks, (far, against), (along, reference), (share, after));
         let axle = rear_axle.map_or(String::new(), |axle| format!("follows by rear axle {axle} m behind centre;"));
         let text = format!("
 scenario meets {{
@@ -229,19 +230,11 @@ scenario meets {{
     lanes forward, backward; lane_width 3.5 m; speed_limit 50 km/h; crossing unmarked {{ at: 60 m }}
   }}
   vehicle av {{ controller constant_speed; speed {speed} m/s; size 4.4 m x 1.8 m; lane {lane}; {axle} }}
-  pedestrian dummy {{
-    model scripted {{ speed: {pace} m/s }}
-    size 0.6 m x 0.5 m; {side}
-    along {along} m
-    goal 31 m further
-    reference {} m {behind} centre
-    walks {way} traffic
-    meets av at {share} after {after} m
-  }}
+{dummy}
   horizon 300 s
   step 0.01 s
   end on collision
-}}", reference.abs());
+}}");
         // In a tight bend it may be a flank that they would be hit by at first.
         if let Err(error) = planned(&text) {
             prop_assert!(error.contains("nowhere beside its lane") && path.contains("9 m"), "{error}\n{text}");
@@ -254,4 +247,25 @@ scenario meets {{
         let (time, walked) = (found.ending.1, after / pace);
         prop_assert!((time - walked).abs() < 1e-3, "{time} s instead of {walked} s\n{text}");
     }
+}
+
+/// 10 s of steps of 0.025 s, and then a last one of no duration.
+#[test]
+fn a_touch_at_the_very_beginning_of_a_step_has_a_point_too() {
+    let dummy = dummy_along("scripted { speed: 0.5 m/s }", (false, false), (0.0, 0.0), (0.1, 5.0));
+    let found = measured(&format!(
+        "scenario meets {{
+  road {{
+    path {{ straight 60 m; turn left {{ radius: 9 m, clothoid: 20.62 deg, arc: 48.76 deg }}; straight 60 m }}
+    lanes forward, backward; lane_width 3.5 m; speed_limit 50 km/h; crossing unmarked {{ at: 60 m }}
+  }}
+  vehicle av {{ controller constant_speed; speed 4 m/s; size 4.4 m x 1.8 m; lane 0 }}
+{dummy}
+  horizon 300 s
+  end on collision
+}}"
+    ));
+    assert!((found.ending.1 - 10.0).abs() < 1e-9, "{:?}", found.ending);
+    let point = found.of("impact_point").unwrap();
+    assert!((point - 0.1).abs() < 1e-3, "{point}");
 }

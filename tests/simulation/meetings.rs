@@ -55,6 +55,31 @@ scenario meets {{
     }
 }
 
+/// Somebody who walks so (`scripted { … }`) along the lane of their side for 31 m, from `along` m on, and is hit at a share of the width after so much (m); their
+/// reference point is so far (m) ahead of their centre.
+pub fn dummy_along(
+    model: &str,
+    (far, against): (bool, bool),
+    (along, reference): (f64, f64),
+    (share, after): (f64, f64),
+) -> String {
+    let way = if against { "against" } else { "with" };
+    let side = if far { "from far side;" } else { "" };
+    let behind = if reference < 0.0 { "behind" } else { "ahead of" };
+    format!(
+        "  pedestrian dummy {{
+    model {model}
+    size 0.6 m x 0.5 m; {side}
+    along {along} m
+    goal 31 m further
+    reference {} m {behind} centre
+    walks {way} traffic
+    meets av at {share} after {after} m
+  }}",
+        reference.abs()
+    )
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
@@ -72,27 +97,18 @@ proptest! {
         reference in -0.2..0.2_f64,
         step in prop::sample::select(vec![0.01, 0.025, 0.05]),
     ) {
-        let way = if against { "against" } else { "with" };
-        let side = if far { "from far side;" } else { "" };
-        let behind = if reference < 0.0 { "behind" } else { "ahead of" };
         let gets_faster = accelerates.map_or(String::new(), |way| format!(", acceleration_way: {way} m"));
+        let walks = format!("scripted {{ speed: {pace} m/s{gets_faster} }}");
+        let dummy = dummy_along(&walks, (far, against), (along, reference), (share, after));
         let text = format!("
 scenario meets {{
   road {{ lanes forward, backward; lane_width 3.5 m; speed_limit 50 km/h; crossing unmarked }}
   vehicle av {{ controller constant_speed; speed {speed} m/s; size 4.4 m x 1.8 m; lane {lane} }}
-  pedestrian dummy {{
-    model scripted {{ speed: {pace} m/s{gets_faster} }}
-    size 0.6 m x 0.5 m; {side}
-    along {along} m
-    goal 31 m further
-    reference {} m {behind} centre
-    walks {way} traffic
-    meets av at {share} after {after} m
-  }}
+{dummy}
   horizon 300 s
   step {step} s
   end on collision
-}}", reference.abs());
+}}");
         let found = measured(&text);
         let point = found.of("impact_point").expect("it is hit at the front");
         prop_assert!((point - share).abs() < 1e-9, "{point} instead of {share}\n{text}");

@@ -5,8 +5,8 @@
 //! protocols for vulnerable road users.
 
 use scenario::{
-    Appearance, DeclaredAppearance, DeclaredPedestrian, DeclaredVehicleStart, Dimension, Origin,
-    PedestrianContext, PedestrianSetup, Scenario, Shape, VehicleStart, World, limits, show,
+    Appearance, DeclaredAppearance, DeclaredPedestrian, DeclaredVehicleStart, Dimension, Origin, Path,
+    PedestrianContext, PedestrianSetup, Scenario, Shape, VehicleSetup, VehicleStart, World, limits, show,
 };
 use sim::{Longitudinal, VehicleState, hit_along, hit_at, walking_time};
 
@@ -107,8 +107,7 @@ fn put_beside(
     let (along, further) = (world.road.along(setup.start.into()), to - from);
     let direction = walks.direction();
     let sign = setup.side.walking_sign();
-    let motion = Longitudinal { travelled: 0.0, speed: car.speed, acceleration: 0.0 };
-    let state = VehicleState::new(path.clone(), motion, (car.length, car.width));
+    let state = on_its_path(car, &path);
     let mut setup = setup.clone();
     let mut y = lane.offset() + sign * car.width * (share - 0.5);
     for _ in 0..STEPS {
@@ -187,6 +186,12 @@ fn meeting_along(
     in_time(scenario, world, (person, vehicle), (time, end), said)
 }
 
+/// A vehicle at the beginning of places, at the speed that it keeps.
+fn on_its_path(car: &VehicleSetup, path: &Path) -> VehicleState {
+    let motion = Longitudinal { travelled: 0.0, speed: car.speed, acceleration: 0.0 };
+    VehicleState::new(path.clone(), motion, (car.length, car.width))
+}
+
 fn elsewhere(setup: &PedestrianSetup, other: &str, said: &Origin) -> PlanError {
     let (name, kind) = (&setup.name, setup.kind.word());
     PlanError::new(said, format!("{kind} `{name}` walks along another road than `{other}` drives on"))
@@ -257,9 +262,7 @@ fn meeting(
         let way = car.width * (share - 0.5) - path.beyond(setup.start.into(), setup.side) - setup.reference;
         (way, path.along(setup.start.into()) - half_across(setup.shape))
     } else {
-        let motion = Longitudinal { travelled: 0.0, speed: car.speed, acceleration: 0.0 };
-        let state = VehicleState::new(path.clone(), motion, (car.length, car.width));
-        let Some((way, centre)) = hit_at(&state, setup, share) else {
+        let Some((way, centre)) = hit_at(&on_its_path(car, &path), setup, share) else {
             let message = format!("the way of {kind} `{name}` does not lead across the lane of `{other}`");
             return refused(
                 message,
