@@ -576,6 +576,11 @@ mod tests {
             prop_assert!(within.abs() <= tightest + 1e-12);
             let (least, most) = path.bends_between(from, from + long);
             prop_assert!(least - 1e-12 <= within && within <= most + 1e-12);
+            // The whole of it sweeps as far as the farthest of its places does, and no farther.
+            let (right, left) = path.most_swept((4.4, 1.8));
+            let swept = (-60..100).map(|place| path.swept(f64::from(place), (4.4, 1.8)));
+            let most = swept.fold((0.0_f64, 0.0_f64), |most, one| (most.0.max(one.0), most.1.max(one.1)));
+            prop_assert!((right - most.0).abs() < 1e-9 && (left - most.1).abs() < 1e-9, "{most:?}, not {right} {left}");
             let straight = path.straight_ahead(from);
             prop_assert_eq!(straight > 0.0, path.tightest_between(from, from + straight.min(1e3) * 0.999) == 0.0);
             prop_assert!(straight > 1e3 || path.pose(from + straight + 1e-3).curvature != 0.0);
