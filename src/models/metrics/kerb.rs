@@ -171,15 +171,13 @@ mod tests {
             offset: y,
             heading_error: angle,
         };
-        {
-            let mut state = VehicleState::new(
-                Path::straight(0.0, Direction::Forward),
-                Longitudinal { travelled: x, speed: 5.0, acceleration: 0.0 },
-                (4.4, 1.8),
-            );
-            state.steered = Some(steered);
-            state
-        }
+        let mut state = VehicleState::new(
+            Path::straight(0.0, Direction::Forward),
+            Longitudinal { travelled: x, speed: 5.0, acceleration: 0.0 },
+            (4.4, 1.8),
+        );
+        state.steered = Some(steered);
+        state
     }
 
     fn kerbs(left: f64) -> KerbContact {

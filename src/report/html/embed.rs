@@ -166,7 +166,7 @@ fn run(reports: &[SuiteReport], recording: &Recording, reason: &str, told: &RunT
             user["modes"] = modes.into();
         }
         if case.world.vehicles.get(who).is_some_and(|car| car.sees.is_some()) {
-            user["shown"] = shown(recording, who).into();
+            user["shown"] = sightings(recording, who).into();
         }
         user
     });
@@ -238,7 +238,7 @@ fn modes(recording: &Recording, who: usize) -> Vec<Value> {
 }
 
 /// When (s) the controller of a vehicle that does not see everything begins to be shown another road user (by its index), or is not shown it any more.
-fn shown(recording: &Recording, who: usize) -> Vec<Value> {
+fn sightings(recording: &Recording, who: usize) -> Vec<Value> {
     let name = recording.name(who);
     let index = |other: &str| (0..recording.users.len()).find(|index| recording.name(*index) == other);
     let changes = recording.events.iter().filter_map(|event| {
@@ -393,7 +393,7 @@ mod tests {
         assert_eq!(drawn["users"][1]["modes"], json!([[2, "walking"]]));
         // Of who sees everything nothing has to be said.
         assert_eq!(drawn["users"][0]["shown"], Value::Null);
-        assert_eq!(super::shown(&recording, 0), [json!([1.5, 1, true]), json!([2.5, 1, false])]);
+        assert_eq!(sightings(&recording, 0), [json!([1.5, 1, true]), json!([2.5, 1, false])]);
     }
 
     #[test]
