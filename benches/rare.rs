@@ -1,14 +1,14 @@
 //! How often bounds and intervals of rare probabilities cover, on problems whose probability is known in closed form.
 //!
-//! `cargo bench --bench rare` takes some minutes and prints a table.
+//! `cargo bench --bench rare` takes some minutes and prints two tables; `-- pairs` prints the second alone.
 
 #![allow(clippy::print_stdout, reason = "prints its table")]
 
 use numbers::distributions::normal;
 use numbers::random::derive_seed;
 use numbers::rare::{
-    ImportanceSampling, RareAxis, RareEstimate, RareOutcome, RarePoint, RareSampling, RareScale, RareSpace,
-    SplittingSampling,
+    ImportanceSampling, PairedEvent, PairedRareEstimate, RareAxis, RareEstimate, RareOutcome, RarePoint,
+    RareSampling, RareScale, RareSpace, SplittingSampling,
 };
 use rayon::prelude::*;
 
@@ -117,7 +117,117 @@ fn estimated(method: Method, problem: &Problem, budget: usize, repetition: u64) 
     RareEstimate::of(&space, method.replicates(), RareScale::Logarithmic)
 }
 
+/// Two events of a point of two axes: how far it is from each, and how probable they are.
+struct Pair {
+    name: &'static str,
+    first: fn(&[f64]) -> f64,
+    second: fn(&[f64]) -> f64,
+    probabilities: (f64, f64),
+}
+
+fn pairs() -> Vec<Pair> {
+    vec![
+        Pair {
+            name: "the same",
+            first: |z| 3.5 - z[0],
+            second: |z| 3.5 - z[0],
+            probabilities: (tail(3.5), tail(3.5)),
+        },
+        Pair {
+            name: "1.5 % rarer",
+            first: |z| 3.504 - z[0],
+            second: |z| 3.5 - z[0],
+            probabilities: (tail(3.504), tail(3.5)),
+        },
+        Pair {
+            name: "a quarter rarer",
+            first: |z| 3.58 - z[0],
+            second: |z| 3.5 - z[0],
+            probabilities: (tail(3.58), tail(3.5)),
+        },
+        Pair {
+            name: "a fifteenth, as rare as 1.6e-5",
+            first: |z| 4.16 - z[0],
+            second: |z| 3.5 - z[0],
+            probabilities: (tail(4.16), tail(3.5)),
+        },
+        Pair {
+            name: "as probable elsewhere",
+            first: |z| 3.5 - z[0],
+            second: |z| 3.5 + z[0],
+            probabilities: (tail(3.5), tail(3.5)),
+        },
+        Pair {
+            name: "and a region of its own",
+            first: |z| (3.5 - z[0]).min(3.3 - z[1]),
+            second: |z| 3.5 - z[0],
+            probabilities: (either(tail(3.5), tail(3.3)), tail(3.5)),
+        },
+    ]
+}
+
+fn compared(method: Method, pair: &Pair, budget: usize, repetition: u64) -> PairedRareEstimate {
+    let space = RareSpace::new(vec![RareAxis::Continuous; 2]);
+    let mut method = method(space.clone(), budget, derive_seed(repetition, pair.name));
+    let mut had = Vec::new();
+    while let Some(round) = method.ask() {
+        let mut outcome = |one: &RarePoint| {
+            let z: Vec<f64> = one.point.iter().map(|share| normal::quantile(*share)).collect();
+            let (first, second) = ((pair.first)(&z), (pair.second)(&z));
+            had.push(PairedEvent { first: first <= 0.0, second: second <= 0.0 });
+            RareOutcome { event: first.min(second) <= 0.0, score: first.min(second) }
+        };
+        let outcomes: Vec<_> = round.points.iter().map(&mut outcome).collect();
+        method.tell(&outcomes);
+    }
+    PairedRareEstimate::of(&space, method.replicates(), RareScale::Logarithmic, |run| had[run])
+}
+
+/// How often differences and ratios are covered, of two in the same encounters.
+fn print_pairs() {
+    println!(
+        "\n| two | by | encounters | refused | difference covers | ratio covers | ratio's upper bound holds | guaranteed covers | half width of the ratio |"
+    );
+    println!("|---|---|---|---|---|---|---|---|---|");
+    for pair in pairs() {
+        for (by, method, budget) in METHODS.iter().map(|(by, method, budgets)| (by, *method, budgets[0])) {
+            let all: Vec<PairedRareEstimate> = (0..REPETITIONS)
+                .into_par_iter()
+                .map(|repetition| compared(method, &pair, budget, repetition))
+                .collect();
+            let (one, other) = pair.probabilities;
+            let kept: Vec<_> = all.iter().filter(|one| one.ratio_refusals().is_empty()).collect();
+            let count =
+                |holds: &dyn Fn(&PairedRareEstimate) -> bool| kept.iter().filter(|one| holds(one)).count();
+            let difference = count(&|found| found.difference_interval(0.95).contains(one - other));
+            let ratio = count(&|found| found.ratio_interval(0.95).contains(one / other));
+            let upper = count(&|found| one / other <= found.ratio_upper(0.95));
+            let guaranteed =
+                all.iter().filter(|found| found.guaranteed_difference(0.975).contains(one - other)).count();
+            let widths =
+                kept.iter().map(|found| found.ratio_interval(0.95)).map(|one| (one.high - one.low) / 2.0);
+            println!(
+                "| {} | {by} | {budget} | {} | {difference} of {n} | {ratio} of {n} | {upper} of {n} | {guaranteed} of {} | {:.3} |",
+                pair.name,
+                all.len() - kept.len(),
+                all.len(),
+                widths.sum::<f64>() / kept.len().max(1) as f64,
+                n = kept.len()
+            );
+        }
+    }
+}
+
 fn main() {
+    // `-- pairs` prints the second table alone.
+    if std::env::args().any(|one| one == "pairs") {
+        return print_pairs();
+    }
+    print_problems();
+    print_pairs();
+}
+
+fn print_problems() {
     println!("{REPETITIONS} repetitions at 95 %; bias in its standard errors\n");
     println!(
         "| problem | p | by | runs | refused | interval covers | right or refused | bound covers | bias | deviation |"

@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use super::columns::columns;
 use super::wording::verdict_word;
-use results::{EstimateResult, EstimatedRun, EventsPerDistance};
+use results::{ComparedEstimate, EstimateResult, EstimatedRun, EventsPerDistance};
 use scenario::{EstimateMethod, significant};
 
 const STRING: &str = "writing to a string cannot fail";
@@ -30,6 +30,12 @@ pub fn render_estimate(result: &EstimateResult) -> String {
     if !result.carrying.is_empty() {
         writeln!(text, "  the runs that carry the estimate, for `replay`:").expect(STRING);
         for run in result.carrying.iter().take(3) {
+            writeln!(text, "    {} {}", percent(run.share), run.key).expect(STRING);
+        }
+    }
+    for (alone, runs) in result.compared.iter().flat_map(|compared| alone(result, compared)) {
+        writeln!(text, "  {alone}, for `replay`:").expect(STRING);
+        for run in runs.iter().take(3) {
             writeln!(text, "    {} {}", percent(run.share), run.key).expect(STRING);
         }
     }
@@ -73,7 +79,71 @@ pub(super) fn sentences(result: &EstimateResult) -> Vec<String> {
         ));
     }
     sentences.extend(result.per_1000_km.iter().flat_map(|along| per_distance(result, along)));
+    sentences.extend(result.compared.iter().flat_map(|compared| comparison(result, compared)));
     sentences
+}
+
+/// What it is compared with, how probable the event is there, and how the two differ.
+fn comparison(result: &EstimateResult, compared: &ComparedEstimate) -> Vec<String> {
+    let level = percent(result.confidence);
+    let mut sentences = vec![format!(
+        "compared with `{}` in the same encounters: {}",
+        compared.scenario,
+        if compared.differs.is_empty() { "nothing differs".to_string() } else { compared.differs.join(", ") }
+    )];
+    let value = number(compared.value);
+    let there = if compared.refusals.is_empty() {
+        let (low, high) = (number(compared.interval.low), number(compared.interval.high));
+        format!("estimate {value} [{low}, {high}] at {level}")
+    } else {
+        format!("the estimate is refused ({value} would have been it)")
+    };
+    sentences
+        .push(format!("  there: guaranteed at most {} at {level}; {there}", number(compared.guaranteed)));
+    sentences.extend(compared.refusals.iter().map(|why| format!("  refused there: {why}")));
+    let guaranteed = compared.guaranteed_difference;
+    let guaranteed = format!("guaranteed from {} to {}", number(guaranteed.low), number(guaranteed.high));
+    let difference = number(compared.difference);
+    let estimated = if compared.difference_refusals.is_empty() {
+        let (low, high) = (compared.difference_interval.low, compared.difference_interval.high);
+        format!("estimate {difference} [{}, {}]", number(low), number(high))
+    } else {
+        format!("the estimate is refused ({difference} would have been it)")
+    };
+    sentences.push(format!("  difference: {guaranteed} at {level}; {estimated}"));
+    sentences.extend(compared.difference_refusals.iter().map(|why| format!("  refused difference: {why}")));
+    sentences.push(format!("  ratio: {}", ratio(compared)));
+    let more = |one: &&String| !compared.difference_refusals.contains(one);
+    sentences
+        .extend(compared.ratio_refusals.iter().filter(more).map(|why| format!("  refused ratio: {why}")));
+    sentences.push(format!(
+        "  {} encounters with the event here alone and {} there alone, worth {} of equal weight",
+        compared.only_here,
+        compared.only_there,
+        significant(compared.effective_size, 3)
+    ));
+    sentences
+}
+
+/// The ratio with its interval, in words.
+pub(super) fn ratio(compared: &ComparedEstimate) -> String {
+    let Some(ratio) = compared.ratio else { return "none: the event never happened there".to_string() };
+    let ratio = significant(ratio, 3);
+    if !compared.ratio_refusals.is_empty() {
+        return format!("the estimate is refused ({ratio} would have been it)");
+    }
+    let high = compared.ratio_interval.high.map_or("without end".to_string(), |high| significant(high, 3));
+    format!("estimate {ratio} [{}, {high}]", significant(compared.ratio_interval.low, 3))
+}
+
+/// Encounters in which one of two alone has the event, if there are any, with what is said of them.
+pub(super) fn alone<'r>(
+    result: &EstimateResult,
+    compared: &'r ComparedEstimate,
+) -> impl Iterator<Item = (String, &'r [EstimatedRun])> + use<'r> {
+    let of = |name: &str| format!("runs with the event in `{name}` alone");
+    let both = [(of(&result.scenario), &compared.here[..]), (of(&compared.scenario), &compared.there[..])];
+    both.into_iter().filter(|(_, runs)| !runs.is_empty())
 }
 
 /// The same along a distance.
@@ -115,9 +185,9 @@ fn per_distance(result: &EstimateResult, along: &EventsPerDistance) -> Vec<Strin
     sentences
 }
 
-/// A probability: with three digits, and with a power of ten where it is small.
+/// A probability or a difference: with three digits, and with a power of ten where it is small.
 pub(super) fn number(value: f64) -> String {
-    if value > 0.0 && value < 1e-2 { format!("{value:.2e}") } else { significant(value, 3) }
+    if value != 0.0 && value.abs() < 1e-2 { format!("{value:.2e}") } else { significant(value, 3) }
 }
 
 pub(super) fn percent(share: f64) -> String {
@@ -139,15 +209,19 @@ pub fn draw_estimate(result: &EstimateResult) -> String {
     const WIDTH: f64 = 460.0;
     const LEFT: f64 = 110.0;
     const ROW: f64 = 34.0;
-    let known = [result.value, result.interval.low, result.interval.high, result.guaranteed, result.unseen];
-    let positive = || known.into_iter().filter(|one| *one > 0.0).map(libm::log10);
+    let mut known =
+        vec![result.value, result.interval.low, result.interval.high, result.guaranteed, result.unseen];
+    let there = result.compared.as_ref().filter(|compared| compared.refusals.is_empty());
+    known.extend(there.iter().flat_map(|one| [one.value, one.interval.low, one.interval.high]));
+    let rows = if result.compared.is_some() { 4.0 } else { 3.0 };
+    let positive = || known.iter().filter(|one| **one > 0.0).map(|one| libm::log10(*one));
     let low = positive().fold(0.0, f64::min).floor();
     let high = positive().fold(low, f64::max).ceil().max(low + 1.0);
     let x = |value: f64| {
         let place = if value > 0.0 { (libm::log10(value) - low) / (high - low) } else { 0.0 };
         LEFT + WIDTH * place.clamp(0.0, 1.0)
     };
-    let (scale, tail_top) = (3.4 * ROW, 4.6 * ROW);
+    let (scale, tail_top) = ((rows + 0.4) * ROW, (rows + 1.6) * ROW);
     let tail = 110.0;
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {} {}\" font-family=\"sans-serif\" font-size=\"12\">\n\
@@ -184,6 +258,14 @@ pub fn draw_estimate(result: &EstimateResult) -> String {
         bar(2.0, "estimate", from, to, Some(x(result.value)), "#d95f02");
     } else {
         bar(2.0, "refused", LEFT, LEFT, None, "#d95f02");
+    }
+    if result.compared.is_some() {
+        match there {
+            Some(one) => {
+                bar(3.0, "compared", x(one.interval.low), x(one.interval.high), Some(x(one.value)), "#7570b3")
+            }
+            None => bar(3.0, "compared: refused", LEFT, LEFT, None, "#7570b3"),
+        }
     }
     let most = result.shares.first().copied().unwrap_or(0.0).max(0.05);
     let bottom = tail_top + tail;

@@ -17,9 +17,9 @@ use super::rating::{points_rows, render_rating};
 use super::wording::{in_words, interruption, nothing_claimed, recorded_remark, stopping, trial_warnings};
 use super::{Repository, need_every_trial};
 use results::{
-    BlockReport, BlockResult, BlockState, Cut, CutBy, GateReport, GateState, NotJudged, RatingReport,
-    RatingState, RecordedReport, RecordedState, Requests, Results, SuiteReport, TrialReport, TrialState,
-    UnitError, Verdict,
+    BlockReport, BlockResult, BlockState, Cut, CutBy, EstimateResult, GateReport, GateState, NotJudged,
+    RatingReport, RatingState, RecordedReport, RecordedState, Requests, Results, SuiteReport, TrialReport,
+    TrialState, UnitError, Verdict,
 };
 use scenario::{FaultKind, Origin};
 
@@ -347,6 +347,31 @@ fn gate_case(report: &SuiteReport, gate: &GateReport) -> TestCase {
 }
 
 /// A block: its result in words is the output of the test.
+fn estimate_properties(case: &mut TestCase, estimate: &EstimateResult) {
+    let unless = |refusals: &[String], interval: String| match refusals.is_empty() {
+        true => interval,
+        false => "refused".to_string(),
+    };
+    if let Some(along) = &estimate.per_1000_km {
+        let interval = format!("{} .. {}", along.interval.low, along.interval.high);
+        case.property("per_1000_km_guaranteed", &along.guaranteed.to_string());
+        case.property("per_1000_km_estimate", &unless(&estimate.refusals, interval));
+        case.property("exposure_source", &along.source);
+    }
+    if let Some(compared) = &estimate.compared {
+        let difference = compared.difference_interval;
+        let difference = format!("{} .. {}", difference.low, difference.high);
+        case.property("compared_with", &compared.scenario);
+        case.property("difference_estimate", &unless(&compared.difference_refusals, difference));
+        let ratio = compared.ratio_interval;
+        let high = ratio.high.map_or_else(String::new, |high| high.to_string());
+        case.property(
+            "ratio_estimate",
+            &unless(&compared.ratio_refusals, format!("{} .. {high}", ratio.low)),
+        );
+    }
+}
+
 fn block_case(report: &SuiteReport, block: &BlockReport) -> TestCase {
     let text = || render_block_failure(&report.identity, block, false);
     let problem = match (&block.state, block.result().and_then(BlockResult::failure)) {
@@ -359,16 +384,8 @@ fn block_case(report: &SuiteReport, block: &BlockReport) -> TestCase {
     let mut case = TestCase::new(&block.key, problem);
     case.property("seed", &report.identity.seed.to_string());
     case.property("replay", &report.identity.block_command(&block.key));
-    if let Some(BlockResult::Estimate(estimate)) = block.result()
-        && let Some(along) = &estimate.per_1000_km
-    {
-        let interval = match estimate.refusals.is_empty() {
-            true => format!("{} .. {}", along.interval.low, along.interval.high),
-            false => "refused".to_string(),
-        };
-        case.property("per_1000_km_guaranteed", &along.guaranteed.to_string());
-        case.property("per_1000_km_estimate", &interval);
-        case.property("exposure_source", &along.source);
+    if let Some(BlockResult::Estimate(estimate)) = block.result() {
+        estimate_properties(&mut case, estimate);
     }
     case.output = block.result().map(render_block);
     case.errors = match &block.state {

@@ -52,6 +52,10 @@ pub struct EstimateResult {
     pub hits: usize,
     /// How many of them ended, or say too little, before that was decided: they count as having it.
     pub undecided: usize,
+    /// How many others ended before the end of what the event is about was seen, such as with somebody neither hit nor arrived: they count
+    /// as not having it.
+    #[serde(default)]
+    pub cut_off: usize,
     /// So many hits of equal weight would say as much.
     pub effective_size: f64,
     /// The largest weight in the sum of all.
@@ -73,6 +77,75 @@ pub struct EstimateResult {
     /// The same for a distance, where somebody says how many encounters there are.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub per_1000_km: Option<EventsPerDistance>,
+    /// What it is compared with, if that was asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub compared: Option<ComparedEstimate>,
+}
+
+/// How probable the same event is with another scenario in the same encounters, and how the two differ.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ComparedEstimate {
+    /// The scenario that it is compared with.
+    pub scenario: String,
+    /// What of the two is not the same, such as the controller of `av`; nothing where nothing is.
+    pub differs: Vec<String>,
+    /// What each replicate came to in that scenario.
+    pub replicates: Vec<f64>,
+    /// Their mean.
+    pub value: f64,
+    /// Where that probability lies, two-sided; it says nothing where it is refused.
+    pub interval: Interval,
+    /// It is at most this, whatever the method did.
+    pub guaranteed: f64,
+    /// How many of the runs drawn as they are have the event there.
+    pub nominal_hits: u64,
+    /// Runs with the event there.
+    pub hits: usize,
+    /// How many of them ended, or say too little, before that was decided: they count as *not* having it, which favours nobody's claim.
+    pub undecided: usize,
+    /// How many others ended before the end of what the event is about was seen.
+    pub cut_off: usize,
+    /// Why the probability there must not be believed.
+    pub refusals: Vec<String>,
+    /// Encounters with the event in the estimate's own scenario alone.
+    pub only_here: usize,
+    /// Encounters with the event in the scenario that it is compared with alone.
+    pub only_there: usize,
+    /// So many of both of these, of equal weight, would say as much.
+    pub effective_size: f64,
+    /// How much more probable the event is than there: negative where it is less.
+    pub difference: f64,
+    /// Where that lies, two-sided.
+    pub difference_interval: Interval,
+    /// Why it must not be believed.
+    pub difference_refusals: Vec<String>,
+    /// Where the difference lies whatever the method did, two-sided: by the nominal runs alone.
+    pub guaranteed_difference: Interval,
+    /// How many times as probable the event is as there; `None` where it never happened there.
+    pub ratio: Option<f64>,
+    /// Where that lies, two-sided.
+    pub ratio_interval: RatioInterval,
+    /// Why it must not be believed.
+    pub ratio_refusals: Vec<String>,
+    /// Encounters with the event in the estimate's own scenario alone, the heaviest first: runs of that.
+    pub here: Vec<EstimatedRun>,
+    /// Encounters with the event in the other alone, the heaviest first: runs of that.
+    pub there: Vec<EstimatedRun>,
+}
+
+/// Between what a ratio lies.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct RatioInterval {
+    /// At least this.
+    pub low: f64,
+    /// At most this; `None` where what it is divided by may be nothing.
+    pub high: Option<f64>,
+}
+
+impl From<Interval> for RatioInterval {
+    fn from(Interval { low, high }: Interval) -> Self {
+        Self { low, high: high.is_finite().then_some(high) }
+    }
 }
 
 /// How many events are to be expected in 1,000 km: the probability in an encounter times the number of encounters, whatever they have to do
@@ -158,14 +231,22 @@ impl EstimateResult {
     /// asked for.
     pub fn verdict(&self) -> Verdict {
         let any = |verdict: Verdict| self.claims.iter().any(|one| one.verdict == verdict);
-        let only_guarantees = !self.claims.is_empty() && self.claims.iter().all(|one| one.guaranteed);
         if any(Verdict::Failed) {
             Verdict::Failed
-        } else if any(Verdict::Inconclusive) || !self.refusals.is_empty() && !only_guarantees {
+        } else if any(Verdict::Inconclusive) || self.claims.is_empty() && self.why_refused().is_some() {
             Verdict::Inconclusive
         } else {
             Verdict::Passed
         }
+    }
+
+    /// Why something that was estimated must not be believed, if nothing is claimed.
+    fn why_refused(&self) -> Option<String> {
+        if !self.refusals.is_empty() {
+            return Some(format!("the estimate is refused: {}", self.refusals.join("; ")));
+        }
+        let refusals = &self.compared.as_ref()?.difference_refusals;
+        (!refusals.is_empty()).then(|| format!("the difference is refused: {}", refusals.join("; ")))
     }
 
     /// Why it is not passed; `None` if it is.
@@ -175,9 +256,6 @@ impl EstimateResult {
         }
         let open = self.claims.iter().filter(|one| one.verdict != Verdict::Passed);
         let claims: Vec<String> = open.map(|one| format!("`{}`: {}", one.text, one.reason)).collect();
-        if claims.is_empty() {
-            return Some(format!("the estimate is refused: {}", self.refusals.join("; ")));
-        }
-        Some(claims.join("; "))
+        if claims.is_empty() { self.why_refused() } else { Some(claims.join("; ")) }
     }
 }

@@ -8,8 +8,8 @@ use sha2::{Digest, Sha256};
 
 use crate::{
     BlockResult, CalibrateResult, CalibratedCondition, CalibratedParameter, CalibratedShare, Candidate,
-    CaseRun, ClaimResult, ClaimValues, ConditionResult, CoursePoint, EstimateResult, EvaluateResult, Found,
-    MetricCourse, SearchResult, StatementResult, TrendPoint, TuneResult,
+    CaseRun, ClaimResult, ClaimValues, ComparedEstimate, ConditionResult, CoursePoint, EstimateResult,
+    EvaluateResult, Found, MetricCourse, SearchResult, StatementResult, TrendPoint, TuneResult,
 };
 use numbers::random::digest_bits;
 use optimise::Coordinate;
@@ -161,6 +161,8 @@ impl Mixture {
             nominal_hits,
             hits,
             undecided,
+            // Nothing that is estimated depends on it.
+            cut_off: _,
             effective_size,
             largest_share: _,
             contradiction: _,
@@ -170,6 +172,7 @@ impl Mixture {
             clusters: _,
             carrying: _,
             claims: _,
+            compared,
         } = estimate;
         self.bits(*seed);
         for count in [*runs, *pilot_runs, *hits, *undecided] {
@@ -179,6 +182,44 @@ impl Mixture {
         self.bits(*nominal_hits);
         self.number(*effective_size);
         [replicates, shares].into_iter().flatten().for_each(|number| self.number(*number));
+        if let Some(compared) = compared {
+            self.compared_estimate(compared);
+        }
+    }
+
+    fn compared_estimate(&mut self, compared: &ComparedEstimate) {
+        let ComparedEstimate {
+            scenario: _,
+            differs: _,
+            replicates,
+            nominal_hits,
+            hits,
+            undecided,
+            cut_off: _,
+            only_here,
+            only_there,
+            effective_size,
+            // Out of the replicates and their hits.
+            value: _,
+            interval: _,
+            guaranteed: _,
+            refusals: _,
+            difference: _,
+            difference_interval: _,
+            difference_refusals: _,
+            guaranteed_difference: _,
+            ratio: _,
+            ratio_interval: _,
+            ratio_refusals: _,
+            here: _,
+            there: _,
+        } = compared;
+        for count in [*hits, *undecided, *only_here, *only_there] {
+            self.count(count);
+        }
+        self.bits(*nominal_hits);
+        self.number(*effective_size);
+        replicates.iter().for_each(|number| self.number(*number));
     }
 
     fn search(&mut self, search: &SearchResult) {

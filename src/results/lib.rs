@@ -58,7 +58,10 @@ pub use cases::{CaseRun, MetricSummary, SavedCase, SavedSet};
 pub use chosen::{Chosen, choose_runs};
 pub use controller::{AnswerTimes, DifferingRun, TestedController};
 pub use cut::{Cut, CutBy};
-pub use estimate::{EstimateResult, EstimatedClaim, EstimatedCluster, EstimatedRun, EventsPerDistance};
+pub use estimate::{
+    ComparedEstimate, EstimateResult, EstimatedClaim, EstimatedCluster, EstimatedRun, EventsPerDistance,
+    RatioInterval,
+};
 pub use evaluate::{ConditionResult, Difference, EvaluateResult, ParameterValue};
 pub use event::{Evaluations, Event, Reporter, Unheard, UnitReport, Workload};
 pub use finding::{Finding, FindingMeasure, Regarding, Vacuity, WorstRun};

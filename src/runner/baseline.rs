@@ -8,6 +8,7 @@ use sha2::{Digest, Sha256};
 use crate::plan::{Plan, PlannedTrial};
 use crate::run::{Executor, departures, nothing_is_drawn};
 use results::judge::baseline::{Baseline, Parts, RecordedMetric, RecordedTrial, TestedVehicle};
+use results::judge::gate::vehicle_changes;
 use results::{Outcome, Requests};
 use scenario::registry::Registry;
 use scenario::{
@@ -202,6 +203,29 @@ fn parts(cases: &[Case]) -> Parts {
         traffic: hash(&traffic, 12),
         simulation: hash(&simulation(&cases[0].world), 12),
     }
+}
+
+/// What is not the same in two cases, a few words each: of every vehicle what is tested, and else only which part of the world.
+pub fn differences(before: &Case, after: &Case) -> Vec<String> {
+    let vehicles = [tested_vehicles(before), tested_vehicles(after)];
+    let mut found: Vec<String> = Vec::new();
+    if vehicles[0].len() != vehicles[1].len() {
+        found.push(format!("{} vehicles -> {}", vehicles[0].len(), vehicles[1].len()));
+    }
+    for (before, after) in vehicles[0].iter().zip(&vehicles[1]) {
+        found.extend(vehicle_changes(before, after).iter().map(ToString::to_string));
+    }
+    let one_of = |case: &Case| parts(std::slice::from_ref(case));
+    let (before, after) = (one_of(before), one_of(after));
+    let rest = [
+        ("the road", before.road != after.road),
+        ("pedestrians", before.pedestrians != after.pedestrians),
+        ("people", before.people != after.people),
+        ("how fast vehicles drive and from where", before.traffic != after.traffic),
+        ("how long and in which steps is simulated", before.simulation != after.simulation),
+    ];
+    found.extend(rest.into_iter().filter(|(_, differs)| *differs).map(|(what, _)| what.to_string()));
+    found
 }
 
 /// How a world is simulated, and until when.

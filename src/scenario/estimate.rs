@@ -18,13 +18,16 @@ pub struct Estimate {
     pub doc: Option<String>,
     /// The scenario, which draws something in every run and varies nothing.
     pub scenario: String,
+    /// A scenario that draws the same, whose runs are made in the same encounters; `None` where nothing is compared.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub compared_with: Option<String>,
     /// What the probability is of. A run of which it cannot be said counts as one with the event.
     pub event: Comparison,
     /// In canonical words, such as `pet < 0.5 s`.
     pub event_text: String,
     /// What gets worse the nearer a run is to the event; runs as they are drawn need none.
     pub score: Option<MetricReference>,
-    /// Runs in all.
+    /// Runs in all; of two that are compared half are of each.
     pub budget: u32,
     /// How they are made.
     pub method: EstimateMethod,
@@ -67,12 +70,28 @@ pub enum EstimateMethod {
     Crude,
 }
 
-/// What a probability is at most.
+/// What a claim is about.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum EstimateClaimOf {
+    /// The probability of the event.
+    #[default]
+    Probability,
+    /// That less the probability of what it is compared with.
+    Difference,
+    /// That over the probability of what it is compared with.
+    Ratio,
+}
+
+/// What a probability is at most, or how much or how many times more probable an event is at most.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct EstimateClaim {
+    /// What is at most that.
+    #[serde(default, skip_serializing_if = "EstimateClaimOf::is_probability")]
+    pub of: EstimateClaimOf,
     /// Whether the bound that needs no assumption decides, and not the estimate.
     pub guaranteed: bool,
-    /// The largest probability with which it holds, whatever the exposure may be.
+    /// The largest probability, difference or ratio with which it holds, whatever the exposure may be.
     pub at_most: f64,
     /// Of a claim about a distance: the events that it says there are at most in 1,000 km.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -102,6 +121,19 @@ impl EstimateMethod {
             Self::Splitting => SplittingSampling::nominal_runs_of(budget),
             Self::Crude => CrudeSampling::nominal_runs_of(budget),
         }
+    }
+}
+
+impl EstimateClaimOf {
+    fn is_probability(&self) -> bool {
+        *self == Self::Probability
+    }
+}
+
+impl Estimate {
+    /// Encounters in all: of two that are compared each makes a run in every one.
+    pub fn encounters(&self) -> u32 {
+        if self.compared_with.is_some() { self.budget / 2 } else { self.budget }
     }
 }
 

@@ -100,7 +100,9 @@ pub use entry::{
     ControllerContext, ControllerModel, DynamicsModel, ModelSetup, PedestrianContext, PedestrianModel,
     PedestrianSetup, PerceptionModel, VehicleSetup, World,
 };
-pub use estimate::{Estimate, EstimateClaim, EstimateMethod, Exposure, FEWEST_ESTIMATE_RUNS};
+pub use estimate::{
+    Estimate, EstimateClaim, EstimateClaimOf, EstimateMethod, Exposure, FEWEST_ESTIMATE_RUNS,
+};
 pub use evaluate::{Condition, Evaluate, Measure, ParameterSet};
 pub use expression::{BinaryOperator, EvaluationError, Expression};
 pub use gate::{Gate, GateRate, GateRule, Tolerance};

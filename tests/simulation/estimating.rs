@@ -121,6 +121,27 @@ fn what_is_not_found_is_not_passed() {
     assert!(result.failure().unwrap().contains("refused"), "{result:?}");
 }
 
+/// Of what the horizon cut off nothing is claimed, however many runs had no collision until then.
+#[test]
+fn what_was_not_seen_to_its_end_is_not_passed() {
+    for block in [BLOCK, "event collision; budget 2000 runs, by crude"] {
+        let text = text(75.0, &format!("{block}; claim <= 10 %; claim guaranteed <= 10 %"));
+        let whole = estimated(&text);
+        assert_eq!((whole.cut_off, whole.verdict()), (0, Verdict::Passed), "{whole:?}");
+        let result = estimated(&text.replace("horizon 15 s", "horizon 2 s"));
+        assert_eq!(result.cut_off, result.runs - result.pilot_runs);
+        assert!(result.claims.iter().all(|one| one.verdict == Verdict::Inconclusive), "{:?}", result.claims);
+        assert!(result.failure().unwrap().contains("raise its `horizon`"), "{:?}", result.failure());
+        let unclaimed = estimated(&self::text(75.0, block).replace("horizon 15 s", "horizon 2 s"));
+        assert_eq!(unclaimed.verdict(), Verdict::Inconclusive);
+        assert!(
+            result.warnings.iter().any(|one| one.contains("ended before the end")),
+            "{:?}",
+            result.warnings
+        );
+    }
+}
+
 #[test]
 fn who_makes_the_runs_changes_nothing() {
     for block in [BLOCK, "event collision; score pet; budget 2000 runs, by splitting"] {

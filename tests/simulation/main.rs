@@ -7,6 +7,7 @@ mod bends;
 mod calibrating;
 mod carla;
 mod commotions_world;
+mod comparing;
 mod course;
 mod cyclists;
 mod draws;

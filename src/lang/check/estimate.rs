@@ -3,6 +3,7 @@
 use super::block::{Layer, missing, reject_repeats};
 use super::comparison::constant_comparison;
 use super::criterion;
+use super::estimate_claim::{claim, suffices};
 use super::literal;
 use super::metric::metric_reference;
 use super::places::Places;
@@ -14,15 +15,12 @@ use crate::syntax;
 use crate::syntax::ast;
 use crate::value::{self, NameScope};
 use scenario::{
-    Dimension, Estimate, EstimateClaim, EstimateMethod, Exposure, FEWEST_ESTIMATE_RUNS, MetricKind,
-    MetricReference, PopulationShare, Relation, Worst,
+    DeclaredPedestrian, Dimension, Estimate, EstimateMethod, Exposure, FEWEST_ESTIMATE_RUNS, MetricKind,
+    MetricReference, PopulationShare, Scenario, Worst,
 };
 
 /// As many runs as a suite may have.
 const MOST_RUNS: u32 = 10_000_000;
-/// Where nothing is said.
-const CONFIDENCE: f64 = 0.95;
-
 /// The estimate at `node`.
 pub fn estimate(
     node: ast::Estimate,
@@ -35,8 +33,9 @@ pub fn estimate(
     reject_repeats(*block, report);
     let layers = [Layer { block, scope }];
     let what = format!("estimate `{}`", name.text());
+    let is_compared = block.compared_with().is_some();
     let budget = match block.budget() {
-        Some(said) => budget(said, report),
+        Some(said) => budget(said, is_compared, report),
         None => {
             missing::<ast::EstimateBudget>(&layers, name.span(), &what, report);
             None
@@ -51,14 +50,23 @@ pub fn estimate(
         Some(said) => Some(exposure(said, scope, places, report)?),
         None => None,
     };
-    let claims: Vec<_> =
-        block.claims().map(|claim| self::claim(claim, exposure.as_ref(), scope, places, report)).collect();
+    let claims: Vec<_> = block
+        .claims()
+        .map(|node| claim(node, exposure.as_ref(), is_compared, scope, places, report))
+        .collect();
     let Some(of) = block.of().map(ast::EstimateOf::name) else {
         missing::<ast::EstimateOf>(&layers, name.span(), &what, report);
         return None;
     };
     let subject = subjects.scenario(of.span(), of.text(), &[], places, report)?;
     let is_drawn = draws(of.span(), &subject, report);
+    let compared = match block.compared_with().map(ast::ComparedWith::name) {
+        Some(with) => {
+            let other = subjects.scenario(with.span(), with.text(), &[], places, report)?;
+            Some(draws_the_same(with.span(), subject.scenario, other, report)?)
+        }
+        None => None,
+    };
     let cast = subject.cast();
     let event = match block.event() {
         Some(event) => {
@@ -91,12 +99,24 @@ pub fn estimate(
         }
     };
     let (budget, claims) = (budget?, claims.into_iter().collect::<Option<Vec<_>>>()?);
-    let can = block.claims().zip(&claims).all(|(node, claim)| suffices(node, claim, budget, method, report));
     let (event, event_text) = event?;
-    (is_drawn && can).then_some(Estimate {
+    if let Some((other, node)) = compared.as_ref().zip(block.event()) {
+        let cast = other.cast();
+        constant_comparison(
+            (node.condition(), node.undefined(), "the bound of the event"),
+            &cast,
+            scope,
+            report,
+        )?;
+        block
+            .score()
+            .map_or(Some(()), |said| metric_reference(said.metric(), &cast, scope, report).map(|_| ()))?;
+    }
+    let estimate = Estimate {
         name: name.text().to_string(),
         doc: literal::doc(block.doc()),
         scenario: subject.scenario.name.clone(),
+        compared_with: compared.map(|other| other.scenario.name.clone()),
         event,
         event_text,
         score,
@@ -105,24 +125,32 @@ pub fn estimate(
         exposure,
         claims,
         origin: places.origin(name.span()),
-    })
+    };
+    let mut said = block.claims().zip(&estimate.claims);
+    let can = said.all(|(node, claim)| suffices(node, claim, estimate.encounters(), method, report));
+    (is_drawn && can).then_some(estimate)
 }
 
-fn bad(span: Span, message: impl Into<String>) -> Diagnostic {
+pub(super) fn bad(span: Span, message: impl Into<String>) -> Diagnostic {
     Diagnostic::new(Code::BadEstimate, span, message)
 }
 
-fn budget(node: ast::EstimateBudget, report: &mut Vec<Diagnostic>) -> Option<u32> {
+fn budget(node: ast::EstimateBudget, is_compared: bool, report: &mut Vec<Diagnostic>) -> Option<u32> {
     let runs = literal::count(node.runs(), 1, MOST_RUNS, "the number of runs", report)?;
-    if runs < FEWEST_ESTIMATE_RUNS {
+    let (fewest, each) = if is_compared {
+        (2 * FEWEST_ESTIMATE_RUNS, ", half of them of each scenario")
+    } else {
+        (FEWEST_ESTIMATE_RUNS, "")
+    };
+    if runs < fewest {
         report.push(
             Diagnostic::new(
                 Code::BudgetTooSmall,
                 node.runs().span(),
-                format!("{runs} runs are too few for 20 independent replicates"),
+                format!("{runs} runs are too few for 20 independent replicates{each}"),
             )
             .label("too few")
-            .hint(format!("take at least {FEWEST_ESTIMATE_RUNS}, and rather 20000")),
+            .hint(format!("take at least {fewest}, and rather 20000")),
         );
         return None;
     }
@@ -168,6 +196,64 @@ fn draws(span: Span, subject: &StatementSubject, report: &mut Vec<Diagnostic>) -
     true
 }
 
+/// `other`, if a run of it can be in each encounter of `one`: drawn the same, with the same chance.
+fn draws_the_same<'a>(
+    span: Span,
+    one: &Scenario,
+    other: StatementSubject<'a>,
+    report: &mut Vec<Diagnostic>,
+) -> Option<StatementSubject<'a>> {
+    let with = other.scenario;
+    if with.name == one.name {
+        report.push(bad(span, format!("`{}` is compared with itself", one.name)).label("the same").hint(
+            format!("name another, such as `scenario before : {} {{ … }}` with another controller", one.name),
+        ));
+        return None;
+    }
+    let different = if !draws(span, &other, report) {
+        return None;
+    } else if !same_draws(one, with) {
+        Some("draws other values than")
+    } else if who_is_drawn(one) != who_is_drawn(with) {
+        Some("draws other people than")
+    } else if one.seed != with.seed {
+        Some("has another seed than")
+    } else {
+        None
+    };
+    match different {
+        None => Some(other),
+        Some(different) => {
+            report.push(
+                bad(span, format!("`{}` {different} `{}`", with.name, one.name))
+                    .label("its runs are not in the same encounters")
+                    .hint(format!(
+                        "let it build on the other: `scenario {} : {} {{ … }}`, with what is tested said anew",
+                        with.name, one.name
+                    )),
+            );
+            None
+        }
+    }
+}
+
+/// Whether both draw the same values, one after the other, from the same.
+fn same_draws(one: &Scenario, other: &Scenario) -> bool {
+    let drawn = |scenario: &'_ Scenario| -> Vec<_> {
+        scenario.draws.iter().map(|draw| (draw.names.clone(), draw.from.clone())).collect()
+    };
+    drawn(one) == drawn(other)
+}
+
+/// The pedestrians who are somebody else in every run, and from which population.
+fn who_is_drawn(scenario: &Scenario) -> Vec<(&str, Option<&str>)> {
+    let drawn = |person: &&DeclaredPedestrian| {
+        person.individuals.as_ref().is_some_and(|one| one.selection == PopulationShare::Drawn)
+    };
+    let who = scenario.pedestrians.iter().filter(drawn);
+    who.map(|one| (one.name.as_str(), one.individuals.as_ref().map(|one| one.population.as_str()))).collect()
+}
+
 /// Metrics that are the same in all runs in which nobody comes near.
 const FLAT: [&str; 1] = ["min_distance"];
 
@@ -199,105 +285,15 @@ fn score(
     Some(reference)
 }
 
-fn claim(
-    node: ast::EstimateClaim,
-    exposure: Option<&Exposure>,
-    scope: &NameScope,
-    places: &Places,
-    report: &mut Vec<Diagnostic>,
-) -> Option<EstimateClaim> {
-    if node.relation().meaning() != Relation::LessOrEqual {
-        report.push(
-            bad(node.relation().span(), "a claim says what the probability is at most")
-                .label("not `<=`")
-                .hint("write `claim <= 1e-5`"),
-        );
-        return None;
-    }
-    let what = "the probability";
-    let mut numbers = node.numbers();
-    let (bound, along) = (numbers.next()?, numbers.next());
-    let value = value::quantity_of(bound, Dimension::NUMBER, what, scope, report)?;
-    let said = value
-        .as_constant_number()
-        .or_else(|| value::not_constant(value.span, &value.expression, what, report))?;
-    let mut confidence = match node.confidence() {
-        Some(said) => criterion::share(said.value(), "the confidence", true, scope, report)?,
-        None => CONFIDENCE,
-    };
-    let (at_most, per_1000_km) = match along {
-        None => (said, None),
-        Some(along) => {
-            let events = said * THOUSAND_KILOMETRES / distance(along, scope, report)?;
-            let Some(exposure) = exposure else {
-                report.push(
-                    Diagnostic::new(
-                        Code::BadExposure,
-                        node.span(),
-                        "nothing says how many encounters there are",
-                    )
-                    .label("events along a distance")
-                    .hint("say it, with its source: `exposure 3 .. 12 encounters per 1000 km source \"…\"`"),
-                );
-                return None;
-            };
-            // What the exposure may be wrong by is taken from what the claim may.
-            confidence += exposure.confidence.map_or(0.0, |sure| 1.0 - sure);
-            if confidence >= 1.0 {
-                report.push(
-                    Diagnostic::new(
-                        Code::BadExposure,
-                        node.span(),
-                        "the exposure is less sure than the claim: no number of runs can show it",
-                    )
-                    .label("cannot be shown, whatever comes of the runs")
-                    .hint("claim it with less confidence, or give an exposure that is surer, which is a wider range"),
-                );
-                return None;
-            }
-            if events >= exposure.high {
-                report.push(
-                    Diagnostic::new(
-                        Code::BadExposure,
-                        bound.span(),
-                        format!(
-                            "there are at most {} encounters in 1,000 km: it holds if every one of them is an event",
-                            scenario::significant(exposure.high, 6)
-                        ),
-                    )
-                    .label("holds whatever comes of the runs")
-                    .hint("claim fewer events than there are encounters"),
-                );
-                return None;
-            }
-            (events / exposure.high, Some(events))
-        }
-    };
-    if !(at_most > 0.0 && at_most < 1.0) {
-        report.push(
-            bad(bound.span(), format!("no runs show a probability of at most {at_most}"))
-                .label("not between 0 and 1")
-                .hint("write it as a number above 0, such as `1e-5`"),
-        );
-        return None;
-    }
-    let text = node.text().split_whitespace().collect::<Vec<_>>().join(" ");
-    let guaranteed = node.is_guaranteed();
-    Some(EstimateClaim {
-        guaranteed,
-        at_most,
-        per_1000_km,
-        confidence,
-        text,
-        origin: places.origin(node.span()),
-    })
-}
-
 /// So far are distances that numbers of encounters are told for, m.
-const THOUSAND_KILOMETRES: f64 = 1e6;
+pub(super) const THOUSAND_KILOMETRES: f64 = 1e6;
 
 /// What encounters or events are counted along, m.
-fn distance(node: ast::Expression, scope: &NameScope, report: &mut Vec<Diagnostic>) -> Option<f64> {
+pub(super) fn distance(
+    node: ast::Expression,
+    scope: &NameScope,
+    report: &mut Vec<Diagnostic>,
+) -> Option<f64> {
     let every = (f64::NEG_INFINITY, f64::INFINITY);
     let along = value::constant_in(node, Dimension::LENGTH, every, "the distance", scope, report)?;
     if along > 0.0 && along.is_finite() {
@@ -389,64 +385,4 @@ fn exposure(
         text: text.split(" source ").next().unwrap_or_default().to_string(),
         origin: places.origin(node.span()),
     })
-}
-
-/// Whether the budget can show a claim at all.
-fn suffices(
-    node: ast::EstimateClaim,
-    claim: &EstimateClaim,
-    budget: u32,
-    method: EstimateMethod,
-    report: &mut Vec<Diagnostic>,
-) -> bool {
-    let nominal = method.nominal_runs(budget as usize) as u64;
-    if !claim.guaranteed && method != EstimateMethod::Crude {
-        return true;
-    }
-    let needed = claim.runs_needed();
-    if needed.is_some_and(|needed| nominal >= needed) {
-        return true;
-    }
-    let needed = needed.map_or_else(|| "more".to_string(), grouped);
-    let level = scenario::significant(100.0 * claim.confidence, 6);
-    let how = match method {
-        EstimateMethod::Importance => "; `by importance` makes one in ten of the runs after its pilot such",
-        EstimateMethod::Splitting => "; `by splitting` makes one in ten of the runs after its pilot such",
-        EstimateMethod::Crude => "",
-    };
-    report.push(
-        Diagnostic::new(
-            Code::BudgetTooSmall,
-            node.span(),
-            format!(
-                "this needs at least {needed} runs for {} at {level} %, and the budget has {} that are drawn as they are",
-                number(claim.at_most),
-                grouped(nominal)
-            ),
-        )
-        .label("cannot be shown, whatever comes of the runs")
-        .hint(format!(
-            "raise the budget, or let the estimate decide: `claim <= {}`{how}",
-            number(claim.at_most)
-        )),
-    );
-    false
-}
-
-/// A probability, with a power of ten where it is small.
-fn number(probability: f64) -> String {
-    if probability < 1e-3 { format!("{probability:e}") } else { scenario::significant(probability, 6) }
-}
-
-/// With commas between thousands.
-fn grouped(number: u64) -> String {
-    let digits = number.to_string();
-    let mut text = String::new();
-    for (index, digit) in digits.chars().enumerate() {
-        if index > 0 && (digits.len() - index).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
 }

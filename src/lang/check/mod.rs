@@ -13,6 +13,7 @@ mod defaults;
 mod draw;
 mod draw_table;
 mod estimate;
+mod estimate_claim;
 mod evaluate;
 mod experiment;
 mod fmu;

@@ -66,7 +66,8 @@ impl RareSampling for CrudeSampling {
         self.replicates.push(ReplicateRuns {
             probability: hits.len() as f64 / outcomes.len() as f64,
             runs: outcomes.len(),
-            nominal: (outcomes.len() as u64, hits.len() as u64),
+            nominal_runs: outcomes.len() as u64,
+            nominal_hits: hits.iter().map(|hit| hit.run).collect(),
             hits,
         });
     }

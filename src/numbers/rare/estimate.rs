@@ -31,10 +31,28 @@ pub struct ReplicateRuns {
     pub probability: f64,
     /// How many runs were made for it.
     pub runs: usize,
-    /// How many of its runs are drawn as without a method, chosen before anything is known of them, and how many of them have the event.
-    pub nominal: (u64, u64),
+    /// How many of its runs are drawn as without a method, chosen before anything is known of them.
+    pub nominal_runs: u64,
+    /// The numbers of those of them that have the event.
+    pub nominal_hits: Vec<usize>,
     /// Its runs with the event.
     pub hits: Vec<WeighedHit>,
+}
+
+impl ReplicateRuns {
+    /// Of a part of the event alone, which the runs that it holds for (by their numbers) have: as unbiased as of the whole.
+    pub fn only(&self, has: impl Fn(usize) -> bool) -> Self {
+        let hits: Vec<WeighedHit> = self.hits.iter().filter(|hit| has(hit.run)).cloned().collect();
+        // Nothing has a positive sum: `sum` of nothing is -0.
+        let sum = hits.iter().fold(0.0, |sum, hit| sum + hit.weight);
+        Self {
+            probability: sum / self.runs.max(1) as f64,
+            runs: self.runs,
+            nominal_runs: self.nominal_runs,
+            nominal_hits: self.nominal_hits.iter().copied().filter(|run| has(*run)).collect(),
+            hits,
+        }
+    }
 }
 
 /// On which scale the interval of replicates is symmetric.
@@ -127,9 +145,8 @@ impl RareEstimate {
         let related = lineages.iter().map(BTreeMap::len).sum::<usize>() < hits;
         // Hits of one lineage say less than so many. So many hits of equal weight would spread as the replicates do.
         let spread = count / (relative_deviation * relative_deviation);
-        let nominal =
-            replicates.iter().fold((0, 0), |sum, one| (sum.0 + one.nominal.0, sum.1 + one.nominal.1));
-        let (runs, events) = nominal;
+        let runs = replicates.iter().map(|one| one.nominal_runs).sum();
+        let events = replicates.iter().map(|one| one.nominal_hits.len() as u64).sum();
         let likely = value.min(1.0);
         let contradiction = (2.0
             * binomial_at_least(events, runs, likely).min(binomial_at_most(events, runs, likely)))
@@ -143,7 +160,7 @@ impl RareEstimate {
             effective_size: if related { kish.min(spread) } else { kish },
             largest_share: if sum > 0.0 { largest / sum } else { 0.0 },
             hits,
-            nominal,
+            nominal: (runs, events),
             contradiction,
             refusals: Vec::new(),
             clusters: Vec::new(),

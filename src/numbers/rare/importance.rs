@@ -122,15 +122,16 @@ impl RareSampling for ImportanceSampling {
             return pilot.tell(outcomes);
         }
         let runs = outcomes.len();
-        let (mut nominal, mut hits) = ((0, 0), Vec::new());
+        let (mut nominal_runs, mut nominal_hits, mut hits) = (0, Vec::new(), Vec::new());
         for (run, ((component, place), outcome)) in
             (first..).zip(std::mem::take(&mut self.asked).into_iter().zip(outcomes))
         {
-            nominal.0 += u64::from(component == 0);
+            let is_nominal = component == 0;
+            nominal_runs += u64::from(is_nominal);
             if !outcome.event {
                 continue;
             }
-            nominal.1 += u64::from(component == 0);
+            nominal_hits.extend(is_nominal.then_some(run));
             let parts = self.components.iter().map(|(own, component)| (*own as f64 / runs as f64, component));
             let weight = libm::exp(-log_mixture(parts, &place));
             let point = self.space.point(&place);
@@ -139,7 +140,8 @@ impl RareSampling for ImportanceSampling {
         self.replicates.push(ReplicateRuns {
             probability: hits.iter().map(|hit| hit.weight).sum::<f64>() / runs as f64,
             runs,
-            nominal,
+            nominal_runs,
+            nominal_hits,
             hits,
         });
     }

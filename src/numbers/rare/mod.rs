@@ -6,6 +6,7 @@
 mod crude;
 mod estimate;
 mod importance;
+mod paired;
 mod pilot;
 mod proposal;
 mod sampling;
@@ -20,6 +21,7 @@ pub use estimate::{
     ReplicateRuns, WeighedHit,
 };
 pub use importance::ImportanceSampling;
+pub use paired::{PairedEvent, PairedRareEstimate, RarePart};
 pub use sampling::{RareOutcome, RarePoint, RareRound, RareSampling};
 pub use space::{RareAxis, RareSpace};
 pub use splitting::SplittingSampling;

@@ -65,7 +65,7 @@ pub trait RareSampling: Send + Sync {
     /// Runs that it may ask for in all, at most.
     fn budget(&self) -> usize;
 
-    /// Runs that are drawn as they are drawn without a method, as far as the method knows: those that [`ReplicateRuns::nominal`]
+    /// Runs that are drawn as they are drawn without a method, as far as the method knows: those that [`ReplicateRuns::nominal_runs`]
     /// counts in the end.
     fn nominal_runs(&self) -> usize;
 

@@ -83,8 +83,9 @@ pub struct SplittingSampling {
     /// The number of the first run of the replicate, and the part of runs that got as far as it is.
     first: usize,
     share: f64,
-    /// Of the replicate, as [`ReplicateRuns::nominal`].
-    nominal: (u64, u64),
+    /// Of the replicate, as in [`ReplicateRuns`].
+    nominal_runs: u64,
+    nominal_hits: Vec<usize>,
     plateau: f64,
     replicates: Vec<ReplicateRuns>,
 }
@@ -107,7 +108,8 @@ impl SplittingSampling {
             done: 0,
             first: 0,
             share: 1.0,
-            nominal: (0, 0),
+            nominal_runs: 0,
+            nominal_hits: Vec::new(),
             plateau: 0.0,
             replicates: Vec::new(),
         }
@@ -285,7 +287,8 @@ impl SplittingSampling {
             }
         }
         let probability = if hits.is_empty() { 0.0 } else { self.share };
-        self.replicates.push(ReplicateRuns { probability, runs, nominal: self.nominal, hits });
+        let (nominal_runs, nominal_hits) = (self.nominal_runs, std::mem::take(&mut self.nominal_hits));
+        self.replicates.push(ReplicateRuns { probability, runs, nominal_runs, nominal_hits, hits });
         self.begin_replicate();
     }
 }
@@ -316,8 +319,9 @@ impl RareSampling for SplittingSampling {
             Phase::Pilot => self.tell_pilot(),
             Phase::Replicate { level: None } => {
                 self.particles = std::mem::take(&mut self.asked);
-                let events = self.particles.iter().filter(|one| one.outcome.event).count();
-                self.nominal = (self.particles.len() as u64, events as u64);
+                self.nominal_runs = self.particles.len() as u64;
+                let hits = self.particles.iter().filter(|one| one.outcome.event);
+                self.nominal_hits = hits.map(|one| one.run).collect();
                 self.advance(None);
             }
             Phase::Replicate { level: Some(level) } => {

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::figure::HtmlFigure;
-use crate::estimation::{draw_estimate, number, percent, sentences, values};
+use crate::estimation::{alone, draw_estimate, number, percent, ratio, sentences, values};
 use crate::wording::verdict_word;
 use results::{EstimateResult, EstimatedRun, SuiteReport};
 
@@ -14,7 +14,15 @@ pub struct EstimateSection {
     claims: Vec<[String; 3]>,
     clusters: Vec<RunRow>,
     carrying: Vec<RunRow>,
+    /// Of encounters in which one of two alone has the event.
+    alone: Vec<AloneTable>,
     figures: Vec<HtmlFigure>,
+}
+
+#[derive(Debug, Serialize)]
+struct AloneTable {
+    title: String,
+    runs: Vec<RunRow>,
 }
 
 #[derive(Debug, Serialize)]
@@ -35,6 +43,11 @@ impl EstimateSection {
             .claims
             .iter()
             .map(|one| [one.text.clone(), verdict_word(one.verdict).to_string(), one.reason.clone()]);
+        let alone = result.compared.iter().flat_map(|compared| alone(result, compared));
+        let alone = alone.map(|(title, runs)| AloneTable {
+            title,
+            runs: runs.iter().map(|run| row(run.share, run)).collect(),
+        });
         let note =
             "Above: probabilities on a logarithmic scale. Below: what single runs weigh in the estimate.";
         Self {
@@ -43,6 +56,7 @@ impl EstimateSection {
             claims: claims.collect(),
             clusters: result.clusters.iter().map(|one| row(one.share, &one.run)).collect(),
             carrying: result.carrying.iter().map(|run| row(run.share, run)).collect(),
+            alone: alone.collect(),
             figures: vec![HtmlFigure::new(result.event.clone(), note, vec![draw_estimate(result)])],
         }
     }
@@ -62,8 +76,11 @@ impl EstimateSection {
         let along = result.per_1000_km.as_ref().map_or_else(String::new, |along| {
             format!("; per 1,000 km guaranteed at most {}", number(along.guaranteed))
         });
+        let compared = result.compared.as_ref().map_or_else(String::new, |compared| {
+            format!("; ratio to `{}`: {}", compared.scenario, ratio(compared))
+        });
         format!(
-            "{}: guaranteed at most {} at {level}; {estimate}{along}",
+            "{}: guaranteed at most {} at {level}; {estimate}{along}{compared}",
             result.event,
             number(result.guaranteed)
         )

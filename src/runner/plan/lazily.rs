@@ -30,6 +30,9 @@ const WORLDS_OF_DRAWN: usize = 64;
 /// Stands before the coordinates in the name of a run that is at a point of its own.
 const AT_POINT: &str = "/u=";
 
+/// Stands in the name of a run before the scenario of which it has the chance.
+const CHANCE_OF: &str = "/chance=";
+
 /// A trial before its runs are worked out: what it is called, how many runs it has, what is asked of them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outline {
@@ -99,6 +102,8 @@ struct Planned {
     repetitions: usize,
     /// Whether everybody walks once before anybody walks again.
     in_rounds: bool,
+    /// The scenario whose chance runs have, if that is another: their seeds are those of its runs.
+    chance_of: Option<Arc<str>>,
     /// One per group of people, shared by all repetitions.
     worlds: Arc<[OnceLock<Arc<World>>]>,
 }
@@ -161,7 +166,12 @@ impl ScenarioPlan {
 
     /// The name of a trial.
     fn key(&self, variation: &[Assignment]) -> String {
-        let mut key = format!("{}/{}", self.0.suite, self.scenario().name);
+        self.key_of(&self.scenario().name, variation)
+    }
+
+    /// The same of a scenario of that name.
+    fn key_of(&self, scenario: &str, variation: &[Assignment]) -> String {
+        let mut key = format!("{}/{scenario}", self.0.suite);
         for assignment in variation {
             key.push_str(&format!("/{}={}", assignment.name, assignment.label));
         }
@@ -221,8 +231,15 @@ impl ScenarioPlan {
         });
         let worlds = (0..people).map(|_| OnceLock::new()).collect();
         let in_rounds = rounds.is_some();
-        let planned =
-            Planned { of: self.clone(), trial: trial.clone(), people, repetitions, in_rounds, worlds };
+        let planned = Planned {
+            of: self.clone(),
+            trial: trial.clone(),
+            people,
+            repetitions,
+            in_rounds,
+            chance_of: None,
+            worlds,
+        };
         Ok(PlannedTrial { trial, cases: Cases(Source::Planned(planned)) })
     }
 
@@ -367,6 +384,17 @@ impl Cases {
         }
     }
 
+    /// The same runs with the seeds that those of another scenario of the suite have, and named after it: what both draw, and what happens
+    /// by chance beyond that, is the same in runs of one number, provided that the scenarios have one `seed` and vary the same.
+    pub fn with_chance_of(&self, scenario: &str) -> Self {
+        Self(match &self.0 {
+            Source::Planned(planned) => {
+                Source::Planned(Planned { chance_of: Some(scenario.into()), ..planned.clone() })
+            }
+            listed @ Source::Listed(_) => listed.clone(),
+        })
+    }
+
     /// The run of that name, be it [at a point](Self::at) of its own.
     pub fn named(&self, key: &str) -> Option<Case> {
         let (run, point) = key.split_once(AT_POINT).map_or((key, None), |(run, point)| (run, Some(point)));
@@ -374,9 +402,12 @@ impl Cases {
             let index = (0..self.len()).find(|index| self.key(*index) == run)?;
             return Some(self.get(index));
         };
-        // An estimate makes more runs of a trial than it has by itself, at points of their own.
-        let more = self.with_repetition(run)?;
-        more.named_at(run, point)
+        // An estimate makes more runs of a trial than it has by itself, at points of their own, and may compare two in the same chance.
+        match run.split_once(CHANCE_OF) {
+            None => self.with_repetition(run)?.named_at(run, point),
+            Some((_, scenario)) if scenario.contains(['/', '=']) => None,
+            Some((own, scenario)) => self.with_repetition(own)?.with_chance_of(scenario).named_at(run, point),
+        }
     }
 
     fn named_at(&self, run: &str, point: &str) -> Option<Case> {
@@ -476,12 +507,18 @@ impl Planned {
     fn key(&self, index: usize) -> (String, u64) {
         let (scenario, Common { seed, people, .. }) = (self.of.scenario(), &*self.of.0);
         let (who, repetition) = self.place(index);
-        let key = format!("{}{}/rep={repetition}", self.trial.key, label(&people[who]));
-        let seed = match scenario.seed {
+        let rest = format!("{}/rep={repetition}", label(&people[who]));
+        let seeded = |key: &str| match scenario.seed {
             Some(seed) if repetition == 1 => seed,
-            own => derive_seed(own.unwrap_or(*seed), &key),
+            own => derive_seed(own.unwrap_or(*seed), key),
         };
-        (key, seed)
+        let key = format!("{}{rest}", self.trial.key);
+        let Some(other) = &self.chance_of else {
+            let seed = seeded(&key);
+            return (key, seed);
+        };
+        let theirs = self.of.key_of(other, &self.trial.variation);
+        (format!("{key}{CHANCE_OF}{other}"), seeded(&format!("{theirs}{rest}")))
     }
 
     /// Those of a run who are the same in others.

@@ -158,6 +158,7 @@ views! {
     EstimateBlock = estimate_block {
         doc: (Doc),
         of: (EstimateOf),
+        compared_with: (ComparedWith),
         event: (Event),
         score: (Score),
         budget: (EstimateBudget),
@@ -166,6 +167,8 @@ views! {
     }
     /// `of SCENARIO`
     EstimateOf = estimate_of { name: Name }
+    /// `compare with SCENARIO`
+    ComparedWith = compared_with { name: Name }
     /// `event collision`
     Event = event { condition: Condition, undefined: (Undefined) }
     /// `score pet`
@@ -175,9 +178,11 @@ views! {
     SamplingMethod = sampling_method { is_splitting: {kw_splitting}, is_crude: {kw_crude} }
     /// `exposure 3 .. 12 encounters per 1000 km source "A count"`
     Exposure = exposure { numbers: [Expression], confidence: (Confidence), source: (Text) }
-    /// `claim guaranteed <= 1e-3 with 95 % confidence`, or `claim <= 0.01 per 1000 km` of two numbers
+    /// `claim guaranteed <= 1e-3 with 95 % confidence`, `claim ratio <= 1.2`, or `claim <= 0.01 per 1000 km` of two numbers
     EstimateClaim = estimate_claim {
         is_guaranteed: {kw_guaranteed},
+        is_difference: {kw_difference},
+        is_ratio: {kw_ratio},
         relation: Relation,
         numbers: [Expression],
         confidence: (Confidence),
@@ -215,7 +220,7 @@ choices! {
     /// What a claim is made of, between operators.
     ClaimedOperand = Measured | Chosen | ClaimedGroup | Quantity | Reference;
     /// What names scenarios or blocks.
-    Referring = SearchIn | CalibrateIn | EstimateOf | OnCases | AsMany | Evaluated | Outcomes | Chosen;
+    Referring = SearchIn | CalibrateIn | EstimateOf | ComparedWith | OnCases | AsMany | Evaluated | Outcomes | Chosen;
 }
 
 impl<'t> Block<'t> {
@@ -495,6 +500,13 @@ pub static ESTIMATE_BLOCK: BlockEntry = BlockEntry {
             .key("of", YamlShape::Words)
             .needed("scenario", "of SCENARIO"),
         statement(
+            "compare",
+            Rule::compared_with,
+            "compare with walk_before",
+            "A scenario that draws the same, such as one with another controller, in the same encounters: claims may be about the difference.",
+        )
+        .key("compare", YamlShape::Words),
+        statement(
             "event",
             Rule::event,
             "event collision`, `event pet < 0.5 s",
@@ -528,8 +540,8 @@ pub static ESTIMATE_BLOCK: BlockEntry = BlockEntry {
         statement(
             "claim",
             Rule::estimate_claim,
-            "claim <= 1e-5 with 95 % confidence`, `claim guaranteed <= 1e-3`, `claim <= 0.01 per 1000 km",
-            "What the probability is at most: by the estimate, or by the bound that needs no assumption; with an exposure also how many events there are along a distance.",
+            "claim <= 1e-5 with 95 % confidence`, `claim guaranteed <= 1e-3`, `claim <= 0.01 per 1000 km`, `claim ratio <= 1.2`, `claim difference <= 1e-6",
+            "What the probability is at most: by the estimate, or by the bound that needs no assumption; with an exposure also how many events there are along a distance. Where it is compared, how much or how many times more probable the event is than there.",
         )
         .key("claims", YamlShape::Lines)
         .repeats(),

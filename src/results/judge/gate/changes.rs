@@ -51,6 +51,8 @@ pub fn vehicle_changes(before: &TestedVehicle, after: &TestedVehicle) -> Vec<Cha
     changes.extend(setup_changes(vehicle, "dynamics", Some(&before.dynamics), Some(&after.dynamics)));
     changes.extend(setup_changes(vehicle, "sees", before.sees.as_ref(), after.sees.as_ref()));
     changes.extend(words(vehicle, "name", before.name.clone(), after.name.clone()));
+    let obeys = |one: &TestedVehicle| if one.obeys_signals { "yes" } else { "no" }.to_string();
+    changes.extend(words(vehicle, "obeys_signals", obeys(before), obeys(after)));
     changes.extend(number(vehicle, "length", before.length, after.length, Dimension::LENGTH));
     changes.extend(number(vehicle, "width", before.width, after.width, Dimension::LENGTH));
     changes

@@ -4,26 +4,27 @@
 //! What is drawn is perturbed; the noise inside of models is not: every run has noise of its own, named by its number. Splitting takes the
 //! noise along from run to run, or has it drawn anew.
 
+mod compared;
 mod conclude;
 mod record;
 mod scored_run;
 
 use super::context::{BlockProgress, Context};
 use super::error::ExperimentError;
-use crate::plan::{self, Cases};
+use crate::plan::{self, Cases, PlanError};
 use crate::run::MeasuredMetrics;
-use conclude::{Told, conclude};
+use conclude::{Sampled, Told, conclude};
 use numbers::random::derive_seed;
 use numbers::rare::{
-    CrudeSampling, ImportanceSampling, RareAxis, RareEstimate, RareOutcome, RarePoint, RareSampling,
-    RareScale, RareSpace, SplittingSampling,
+    CrudeSampling, ImportanceSampling, RareAxis, RareOutcome, RarePoint, RareSampling, RareScale, RareSpace,
+    SplittingSampling,
 };
 use rayon::prelude::*;
 use record::EstimateRecord;
-use results::judge::Seen;
+use results::judge::{Seen, cut_off_runs};
 use results::{EstimateResult, Outcome, Requests};
 use scenario::{Case, Estimate, EstimateMethod, Scenario, Worst};
-use scored_run::ScoredRun;
+use scored_run::{ScoredEncounter, ScoredRun};
 
 /// Runs that are made, kept and told together.
 const TOGETHER: usize = 2000;
@@ -37,29 +38,23 @@ pub fn run_estimate(
     block: &Estimate,
     progress: &dyn BlockProgress,
 ) -> Result<EstimateResult, ExperimentError> {
-    let scenario = as_often(context.scenario(&block.scenario)?, block.budget);
     let failed = |what: String| ExperimentError::Estimate(what);
-    let plan = plan::plan_scenario(context.suite, &scenario)?;
-    if plan.len() != 1 {
-        return Err(failed(format!(
-            "`{}` has {} trials, and a probability is of one",
-            scenario.name,
-            plan.len()
-        )));
-    }
-    let cases = plan.trial(0).cases;
-    if cases.len() != block.budget as usize {
-        return Err(failed(format!(
-            "`{}` has several groups of people, and a probability is of one",
-            scenario.name
-        )));
-    }
+    let scenario = as_often(context.scenario(&block.scenario)?, block.encounters());
+    let cases = one_trial(context, &scenario)?;
     let space = space(&cases);
-    if space.dimensions() == 0 {
-        return Err(failed(format!("`{}` draws nothing", scenario.name)));
-    }
+    let compared = match &block.compared_with {
+        Some(with) => {
+            let with = as_often(context.scenario(with)?, block.encounters());
+            let others = one_trial(context, &with)?.with_chance_of(&scenario.name);
+            if others.axes() != cases.axes() || others.axis_weights() != cases.axis_weights() {
+                return Err(failed(format!("`{}` and `{}` do not draw the same", scenario.name, with.name)));
+            }
+            Some((with, others))
+        }
+        None => None,
+    };
     let seed = derive_seed(context.suite.seed, &format!("estimate/{}", block.name));
-    let budget = block.budget as usize;
+    let budget = block.encounters() as usize;
     let (mut method, scale): (Box<dyn RareSampling>, RareScale) = match block.method {
         EstimateMethod::Importance => {
             (Box::new(ImportanceSampling::new(space.clone(), budget, seed)), RareScale::Logarithmic)
@@ -71,62 +66,70 @@ pub fn run_estimate(
             (Box::new(CrudeSampling::new(space.clone(), budget, seed)), RareScale::Exact)
         }
     };
-    let inputs = (block, context.suite.seed, &scenario);
+    let with = compared.as_ref().map(|(with, _)| with);
+    let inputs = (block, context.suite.seed, &scenario, with);
     let mut record = EstimateRecord::open(context.journals.as_deref(), &block.name, &inputs)
         .map_err(|error| failed(format!("its journal: {error}")))?;
     context.tell(record.notice.as_deref());
     let mut requests = Requests::default();
     requests.add(&block.event.metric);
     block.score.iter().for_each(|score| requests.add(score));
-    let runs = Runs { context, block, cases: &cases, measured: MeasuredMetrics::new(requests) };
+    let others = compared.as_ref().map(|(_, others)| others);
+    let runs = Runs { context, block, cases: &cases, others, measured: MeasuredMetrics::new(requests) };
 
-    let all = method.budget();
+    // Each encounter is one run of one scenario, or one of each of two.
+    let of_each = if others.is_some() { 2 } else { 1 };
+    let all = of_each * method.budget();
     let mut told = Told::default();
     while let Some(round) = context.executor.think(|| method.ask()) {
-        let mut seen: Vec<ScoredRun> = Vec::with_capacity(round.points.len());
+        let mut seen: Vec<ScoredEncounter> = Vec::with_capacity(round.points.len());
         for points in round.points.chunks(TOGETHER) {
-            let first = told.runs + seen.len();
+            let first = told.encounters() + seen.len();
             let known = record.known(first, points.len()).cloned();
             let made = match known {
                 Some(known) => known,
                 None => {
                     let made = runs.make(first, points)?;
-                    record
-                        .add(first, made.clone())
-                        .map_err(|error| failed(format!("its journal: {error}")))?;
+                    record.add(first, &made).map_err(|error| failed(format!("its journal: {error}")))?;
                     made
                 }
             };
             seen.extend(made);
-            let so_far = estimate_so_far(&space, method.as_ref(), scale);
-            match so_far {
-                Some((value, within)) => {
-                    progress.evaluated_within(told.runs + seen.len(), all, value, within);
-                }
-                None => progress.evaluated(told.runs + seen.len(), all, None),
+            let done = of_each * (told.encounters() + seen.len());
+            let sampled =
+                Sampled { cases: &cases, others, space: &space, method: method.as_ref(), scale, told: &told };
+            match sampled.so_far() {
+                Some((value, within)) => progress.evaluated_within(done, all, value, within),
+                None => progress.evaluated(done, all, None),
             }
         }
         told.add(round.is_pilot, &seen);
-        let outcomes: Vec<RareOutcome> = seen.into_iter().map(ScoredRun::outcome).collect();
+        let outcomes: Vec<RareOutcome> = seen.into_iter().map(ScoredEncounter::outcome).collect();
         context.executor.think(|| method.tell(&outcomes));
     }
-    let result = conclude(context, block, &cases, &space, method.as_ref(), scale, &told)?;
+    let sampled =
+        Sampled { cases: &cases, others, space: &space, method: method.as_ref(), scale, told: &told };
+    let result = conclude(context, block, &sampled)?;
     record.remove();
     Ok(result)
 }
 
-/// The estimate of the replicates that there are, and where it lies at 95 %, once there are several.
-fn estimate_so_far(
-    space: &RareSpace,
-    method: &dyn RareSampling,
-    scale: RareScale,
-) -> Option<(f64, (f64, f64))> {
-    if method.replicates().len() < 2 {
-        return None;
+/// The runs of a scenario, of which there is one trial with one group of people.
+fn one_trial(context: &Context, scenario: &Scenario) -> Result<Cases, ExperimentError> {
+    let failed = |what: String| ExperimentError::Estimate(what);
+    let name = &scenario.name;
+    let plan = plan::plan_scenario(context.suite, scenario)?;
+    if plan.len() != 1 {
+        return Err(failed(format!("`{name}` has {} trials, and a probability is of one", plan.len())));
     }
-    let so_far = RareEstimate::of(space, method.replicates(), scale);
-    let interval = so_far.interval(0.95);
-    Some((so_far.value, (interval.low, interval.high)))
+    let cases = plan.trial(0).cases;
+    if cases.len() != scenario.repeat as usize {
+        return Err(failed(format!("`{name}` has several groups of people, and a probability is of one")));
+    }
+    if !cases.are_drawn() {
+        return Err(failed(format!("`{name}` draws nothing")));
+    }
+    Ok(cases)
 }
 
 /// The scenario with as many runs as there may be: a trial of it, whose first runs are those that it has by itself.
@@ -144,26 +147,32 @@ struct Runs<'a> {
     context: &'a Context<'a>,
     block: &'a Estimate,
     cases: &'a Cases,
+    /// Of the scenario that it is compared with.
+    others: Option<&'a Cases>,
     measured: std::sync::Arc<MeasuredMetrics>,
 }
 
 impl Runs<'_> {
     /// `first` is the number of the first.
-    fn make(&self, first: usize, points: &[RarePoint]) -> Result<Vec<ScoredRun>, ExperimentError> {
-        let plan = |one: &RarePoint| self.cases.at_drawn(one.chance, &one.point);
-        let planned = self
-            .context
-            .executor
-            .think(|| points.par_iter().map(plan).collect::<Vec<Result<Option<Case>, _>>>());
-        let planned = planned.into_iter().collect::<Result<Vec<_>, _>>()?;
-        let cases: Vec<Case> = planned.iter().flatten().cloned().collect();
-        let mut outcomes = self.context.run_reading(&self.measured, first, &cases)?.into_iter();
-        let seen = |case: &Option<Case>| match case {
-            Some(_) => self.seen(&outcomes.next().expect("one for every case")),
-            // Nobody draws it: it is no part of what the probability is of.
-            None => ScoredRun { event: false, undecided: false, score: None },
+    fn make(&self, first: usize, points: &[RarePoint]) -> Result<Vec<ScoredEncounter>, ExperimentError> {
+        let both = [Some(self.cases), self.others];
+        let scenarios = || both.into_iter().flatten();
+        let plan = |one: &RarePoint| -> Result<Option<Vec<Case>>, PlanError> {
+            scenarios().map(|cases| cases.at_drawn(one.chance, &one.point)).collect()
         };
-        Ok(planned.iter().map(seen).collect())
+        let planned =
+            self.context.executor.think(|| points.par_iter().map(plan).collect::<Vec<Result<_, _>>>());
+        let planned = planned.into_iter().collect::<Result<Vec<_>, _>>()?;
+        let cases: Vec<Case> = planned.iter().flatten().flatten().cloned().collect();
+        let number = first * scenarios().count();
+        let mut outcomes = self.context.run_reading(&self.measured, number, &cases)?.into_iter();
+        let mut next = || self.seen(&outcomes.next().expect("one for every case"));
+        let encounter = |cases: &Option<Vec<Case>>| match cases {
+            Some(_) => ScoredEncounter { own: next(), other: self.others.map(|_| next()) },
+            // Nobody draws it: it is no part of what the probability is of.
+            None => ScoredEncounter { own: ScoredRun::NOBODY, other: self.others.map(|_| ScoredRun::NOBODY) },
+        };
+        Ok(planned.iter().map(encounter).collect())
     }
 
     fn seen(&self, outcome: &Outcome) -> ScoredRun {
@@ -177,6 +186,7 @@ impl Runs<'_> {
             let worst = score.known().map(|metric| metric.worst);
             Some(if worst == Some(Worst::Largest) { -value } else { value })
         });
-        ScoredRun { event: may, undecided: may && !must, score }
+        let cut_off = !may && cut_off_runs(&self.block.event.metric, [outcome]) > 0;
+        ScoredRun { event: may, undecided: may && !must, cut_off, score }
     }
 }

@@ -7,7 +7,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use super::scored_run::ScoredRun;
+use super::scored_run::{ScoredEncounter, ScoredRun};
 use files::{Log, LogError, LogFormat};
 
 const FORMAT: LogFormat = LogFormat { name: "scenario-runner journal of an estimate", version: 1 };
@@ -19,11 +19,26 @@ struct Entry {
     /// The number of the first, from 0.
     first: usize,
     runs: Vec<ScoredRun>,
+    /// In the same encounters, of the scenario that it is compared with.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    others: Vec<ScoredRun>,
+}
+
+impl Entry {
+    fn new(first: usize, encounters: &[ScoredEncounter]) -> Self {
+        let runs = encounters.iter().map(|one| one.own).collect();
+        Self { first, runs, others: encounters.iter().filter_map(|one| one.other).collect() }
+    }
+
+    fn encounters(self) -> Vec<ScoredEncounter> {
+        let mut others = self.others.into_iter();
+        self.runs.into_iter().map(|own| ScoredEncounter { own, other: others.next() }).collect()
+    }
 }
 
 /// What is known so far, in a file if there is a folder for it.
 pub struct EstimateRecord {
-    known: BTreeMap<usize, Vec<ScoredRun>>,
+    known: BTreeMap<usize, Vec<ScoredEncounter>>,
     log: Option<Log>,
     pub notice: Option<String>,
 }
@@ -44,18 +59,18 @@ impl EstimateRecord {
         }
         let (log, found) = Log::open(&path, FORMAT, &hash)?;
         let entries = found.records.iter().filter_map(|record| serde_json::from_str::<Entry>(record).ok());
-        let known = entries.map(|entry| (entry.first, entry.runs)).collect();
+        let known = entries.map(|entry| (entry.first, entry.encounters())).collect();
         Ok(Self { known, log: Some(log), notice: found.notice })
     }
 
     /// The runs from that number on, if so many are known; others are made again.
-    pub fn known(&self, first: usize, count: usize) -> Option<&Vec<ScoredRun>> {
+    pub fn known(&self, first: usize, count: usize) -> Option<&Vec<ScoredEncounter>> {
         self.known.get(&first).filter(|runs| runs.len() == count)
     }
 
-    pub fn add(&mut self, first: usize, runs: Vec<ScoredRun>) -> Result<(), LogError> {
+    pub fn add(&mut self, first: usize, encounters: &[ScoredEncounter]) -> Result<(), LogError> {
         match &mut self.log {
-            Some(log) => log.append(&Entry { first, runs }),
+            Some(log) => log.append(&Entry::new(first, encounters)),
             None => Ok(()),
         }
     }
