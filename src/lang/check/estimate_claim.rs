@@ -1,16 +1,22 @@
 //! `claim …` of an estimate: what a probability, a difference or a ratio is at most.
 
 use super::criterion;
-use super::estimate::{THOUSAND_KILOMETRES, bad, distance};
+use super::exposure::{THOUSAND_KILOMETRES, distance};
 use super::places::Places;
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
+use crate::source::Span;
 use crate::syntax::ast;
 use crate::value::{self, NameScope};
 use scenario::{Dimension, EstimateClaim, EstimateClaimOf, EstimateMethod, Exposure, Relation};
 
 /// Where nothing is said.
 const CONFIDENCE: f64 = 0.95;
+
+/// What is wrong with an estimate.
+pub fn bad(span: Span, message: impl Into<String>) -> Diagnostic {
+    Diagnostic::new(Code::BadEstimate, span, message)
+}
 
 /// The claim at `node`, of an estimate that is compared with something or not.
 pub fn claim(

@@ -16,6 +16,7 @@ mod estimate;
 mod estimate_claim;
 mod evaluate;
 mod experiment;
+mod exposure;
 mod fmu;
 mod gate;
 mod group;

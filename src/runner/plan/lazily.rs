@@ -358,15 +358,15 @@ impl Cases {
     pub fn at(&self, index: usize, point: &[f64]) -> Result<Case, PlanError> {
         assert_eq!(point.len(), self.axes().len(), "a point has one coordinate an axis");
         assert!(point.iter().all(|share| *share > 0.0 && *share < 1.0), "{point:?} is not between 0 and 1");
-        let case = self.get(index);
-        let Source::Planned(planned) = &self.0 else { return Ok(case) };
-        let Some(draws) = &planned.of.0.draws else { return Ok(case) };
+        let Source::Planned(planned) = &self.0 else { return Ok(self.get(index)) };
+        let Some(draws) = &planned.of.0.draws else { return Ok(self.get(index)) };
+        let (run, seed) = planned.key(index);
         let coordinates: Vec<_> = point.iter().map(f64::to_string).collect();
-        let key = format!("{}{AT_POINT}{}", case.key, coordinates.join(","));
+        let key = format!("{run}{AT_POINT}{}", coordinates.join(","));
         let variables = variables(&planned.trial.variation);
-        let run = draws.at(planned.of.scenario(), &variables, planned.fixed(index), point);
-        let DrawnRun { drawn, individuals, world } = run.map_err(|error| error.in_case(&key))?;
-        Ok(Case { key, drawn, individuals, world, impossible: None, ..case })
+        let drawn = draws.at(planned.of.scenario(), &variables, planned.fixed(index), point);
+        let drawn = drawn.map_err(|error| error.in_case(&key))?;
+        Ok(planned.drawn_case(key, seed, index, drawn))
     }
 
     /// As [`Self::at`]; `None` of a point that is not possible and lies so far out that no run is at it: one that would be is drawn again.
@@ -534,9 +534,9 @@ impl Planned {
     }
 
     fn case(&self, index: usize) -> Case {
-        let (who, repetition) = self.place(index);
+        let who = self.place(index).0;
         let (key, seed) = self.key(index);
-        let (impossible, DrawnRun { drawn, individuals, world }) = match self.drawn(index) {
+        let (impossible, run) = match self.drawn(index) {
             None => {
                 let (individuals, world) = (self.fixed(index).to_vec(), self.world(who));
                 (None, DrawnRun { drawn: Vec::new(), individuals, world })
@@ -545,8 +545,14 @@ impl Planned {
             // Whoever is to make it says so: it must not be missing among the others, which would then be others.
             Some(Err(error)) => (Some(error.message), self.middle(who)),
         };
+        Case { impossible, ..self.drawn_case(key, seed, index, run) }
+    }
+
+    fn drawn_case(&self, key: String, seed: u64, index: usize, run: DrawnRun) -> Case {
         let (scenario, variation) = (self.of.scenario().name.clone(), self.trial.variation.clone());
-        Case { key, scenario, variation, drawn, impossible, individuals, repetition, seed, world }
+        let repetition = self.place(index).1;
+        let DrawnRun { drawn, individuals, world } = run;
+        Case { key, scenario, variation, drawn, impossible: None, individuals, repetition, seed, world }
     }
 
     /// A run in the middle of all that is drawn.

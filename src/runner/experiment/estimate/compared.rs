@@ -1,6 +1,7 @@
 //! What an estimate says of two scenarios in the same encounters.
 
-use super::conclude::{CONFIDENCE, Hits, MOST_RUNS, Sampled, in_words, judged, number, percent};
+use super::judged::{in_words, judged, number, percent};
+use super::sampled::{CONFIDENCE, Hits, MOST_RUNS, Sampled};
 use crate::baseline::differences;
 use crate::experiment::error::ExperimentError;
 use crate::plan::Cases;
@@ -9,7 +10,7 @@ use results::{ComparedEstimate, EstimatedClaim, EstimatedRun, Verdict};
 use scenario::{Estimate, EstimateClaim, EstimateClaimOf, Exposure};
 
 /// Two scenarios in the same encounters.
-pub struct Comparison<'a> {
+pub struct Compared<'a> {
     own: &'a str,
     with: &'a str,
     others: &'a Cases,
@@ -18,7 +19,7 @@ pub struct Comparison<'a> {
     ratio_refusals: Vec<String>,
 }
 
-impl<'a> Comparison<'a> {
+impl<'a> Compared<'a> {
     /// Of an estimate that is compared with something; `cut_off` says of which of both too little was seen.
     pub fn new(
         block: &'a Estimate,
@@ -77,7 +78,7 @@ impl<'a> Comparison<'a> {
     pub fn result(self, sampled: &Sampled) -> Result<ComparedEstimate, ExperimentError> {
         let Self { with, others, paired, difference_refusals, ratio_refusals, .. } = self;
         let second = &paired.second;
-        let (undecided, cut_off) = sampled.told.open_others();
+        let (undecided, cut_off) = (sampled.told.undecided_others, sampled.told.cut_off_others);
         let hits = Hits::of(sampled.method.replicates());
         let runs = |cases: &Cases, of_own: bool| -> Result<Vec<EstimatedRun>, ExperimentError> {
             let alone = |run: usize| {

@@ -6,14 +6,16 @@
 
 mod compared;
 mod conclude;
+mod judged;
 mod record;
+mod sampled;
 mod scored_run;
 
 use super::context::{BlockProgress, Context};
 use super::error::ExperimentError;
 use crate::plan::{self, Cases, PlanError};
 use crate::run::MeasuredMetrics;
-use conclude::{Sampled, Told, conclude};
+use conclude::conclude;
 use numbers::random::derive_seed;
 use numbers::rare::{
     CrudeSampling, ImportanceSampling, RareAxis, RareOutcome, RarePoint, RareSampling, RareScale, RareSpace,
@@ -23,6 +25,7 @@ use rayon::prelude::*;
 use record::EstimateRecord;
 use results::judge::{Seen, cut_off_runs};
 use results::{EstimateResult, Outcome, Requests};
+use sampled::{Sampled, Told};
 use scenario::{Case, Estimate, EstimateMethod, Scenario, Worst};
 use scored_run::{ScoredEncounter, ScoredRun};
 

@@ -1,0 +1,140 @@
+//! All runs of an estimate: what was told of them, what they weigh, and which they were.
+
+use std::borrow::Cow;
+
+use super::scored_run::ScoredEncounter;
+use crate::experiment::error::ExperimentError;
+use crate::plan::Cases;
+use numbers::rare::{
+    PairedEvent, PairedRareEstimate, RareEstimate, RareSampling, RareScale, RareSpace, ReplicateRuns,
+    WeighedHit,
+};
+use results::EstimatedRun;
+
+/// Of the interval and the bound that are always said.
+pub const CONFIDENCE: f64 = 0.95;
+/// Runs that are named.
+pub const MOST_RUNS: usize = 10;
+/// More runs that were not seen to their end, and nothing is claimed of what they would have come to.
+const MOST_CUT_OFF: f64 = 0.5;
+
+/// What was told of encounters.
+#[derive(Debug, Default)]
+pub struct Told {
+    /// Which of two had the event, by the numbers of their runs.
+    events: Vec<PairedEvent>,
+    pub pilot: usize,
+    pub undecided: usize,
+    pub cut_off: usize,
+    pub undecided_others: usize,
+    pub cut_off_others: usize,
+}
+
+impl Told {
+    pub fn add(&mut self, is_pilot: bool, seen: &[ScoredEncounter]) {
+        self.events.extend(seen.iter().map(|one| one.event()));
+        if is_pilot {
+            self.pilot += seen.len();
+        } else {
+            let others = || seen.iter().filter_map(|one| one.other);
+            self.undecided += seen.iter().filter(|one| one.own.undecided).count();
+            self.cut_off += seen.iter().filter(|one| one.own.cut_off).count();
+            self.undecided_others += others().filter(|one| one.undecided).count();
+            self.cut_off_others += others().filter(|one| one.cut_off).count();
+        }
+    }
+
+    /// How many there were.
+    pub fn encounters(&self) -> usize {
+        self.events.len()
+    }
+
+    /// Why nothing that is claimed is shown, whatever the numbers are: most runs of the scenario were not seen to their end.
+    pub fn nothing_seen(&self, cut_off: usize, scenario: &str) -> Option<String> {
+        let counted = self.encounters() - self.pilot;
+        (cut_off as f64 > MOST_CUT_OFF * counted as f64).then(|| {
+            format!(
+                "{cut_off} of {counted} runs of `{scenario}` ended before the end of what the event is about was seen: raise its `horizon`"
+            )
+        })
+    }
+}
+
+/// All runs of an estimate.
+pub struct Sampled<'a> {
+    pub cases: &'a Cases,
+    /// Of the scenario that it is compared with, in the same encounters.
+    pub others: Option<&'a Cases>,
+    pub space: &'a RareSpace,
+    pub method: &'a dyn RareSampling,
+    pub scale: RareScale,
+    pub told: &'a Told,
+}
+
+impl Sampled<'_> {
+    /// What the replicates say so far of the estimate's own scenario.
+    pub fn own_replicates(&self) -> Cow<'_, [ReplicateRuns]> {
+        let replicates = self.method.replicates();
+        if self.others.is_none() {
+            return replicates.into();
+        }
+        replicates.iter().map(|one| one.only(|run| self.had(run).first)).collect()
+    }
+
+    /// The estimate of the replicates that there are, and where it lies at 95 %, once there are several.
+    pub fn so_far(&self) -> Option<(f64, (f64, f64))> {
+        if self.method.replicates().len() < 2 {
+            return None;
+        }
+        let so_far = RareEstimate::of(self.space, &self.own_replicates(), self.scale);
+        let interval = so_far.interval(CONFIDENCE);
+        Some((so_far.value, (interval.low, interval.high)))
+    }
+
+    /// Which of two had the event in the run of that number.
+    pub fn had(&self, run: usize) -> PairedEvent {
+        self.told.events[run]
+    }
+
+    pub fn paired(&self) -> PairedRareEstimate {
+        PairedRareEstimate::of(self.space, self.method.replicates(), self.scale, |run| self.had(run))
+    }
+}
+
+/// Hits of replicates, each with what it weighs in their mean.
+pub struct Hits<'a> {
+    hits: Vec<(&'a WeighedHit, f64)>,
+    sum: f64,
+}
+
+impl<'a> Hits<'a> {
+    /// What the weights are shares of is what all of these weigh.
+    pub fn of(replicates: &'a [ReplicateRuns]) -> Self {
+        let of = |one: &'a ReplicateRuns| {
+            one.hits.iter().map(move |hit| (hit, hit.weight / one.runs as f64)).collect::<Vec<_>>()
+        };
+        let hits: Vec<_> = replicates.iter().flat_map(of).collect();
+        let sum = hits.iter().map(|one| one.1).sum();
+        Self { hits, sum }
+    }
+
+    /// The indices of those that it holds for by the numbers of their runs, the heaviest first.
+    pub fn heaviest(&self, holds: impl Fn(usize) -> bool) -> Vec<usize> {
+        let mut found: Vec<usize> =
+            (0..self.hits.len()).filter(|index| holds(self.hits[*index].0.run)).collect();
+        found.sort_by(|one, other| self.hits[*other].1.total_cmp(&self.hits[*one].1).then(one.cmp(other)));
+        found
+    }
+
+    pub fn share(&self, index: usize) -> f64 {
+        self.hits[index].1 / self.sum
+    }
+
+    /// The run that made it, of these cases.
+    pub fn run(&self, index: usize, cases: &Cases) -> Result<EstimatedRun, ExperimentError> {
+        let hit = self.hits[index].0;
+        let case = cases.at(hit.chance, &hit.point)?;
+        let drawn = case.drawn.into_iter().map(|one| (one.name, one.label)).collect();
+        Ok(EstimatedRun { key: case.key, share: self.share(index), drawn })
+    }
+}
