@@ -98,9 +98,9 @@ fn comparison(result: &EstimateResult, compared: &ComparedEstimate) -> Vec<Strin
     } else {
         format!("the estimate is refused ({value} would have been it)")
     };
-    sentences
-        .push(format!("  there: guaranteed at most {} at {level}; {there}", number(compared.guaranteed)));
-    sentences.extend(compared.refusals.iter().map(|why| format!("  refused there: {why}")));
+    let (with, bound) = (&compared.scenario, number(compared.guaranteed));
+    sentences.push(format!("  `{with}`: guaranteed at most {bound} at {level}; {there}"));
+    sentences.extend(compared.refusals.iter().map(|why| format!("  `{with}` is refused: {why}")));
     let guaranteed = compared.guaranteed_difference;
     let guaranteed = format!("guaranteed from {} to {}", number(guaranteed.low), number(guaranteed.high));
     let difference = number(compared.difference);
@@ -117,8 +117,9 @@ fn comparison(result: &EstimateResult, compared: &ComparedEstimate) -> Vec<Strin
     sentences
         .extend(compared.ratio_refusals.iter().filter(more).map(|why| format!("  refused ratio: {why}")));
     sentences.push(format!(
-        "  {} encounters with the event here alone and {} there alone, worth {} of equal weight",
+        "  {} encounters with the event in `{}` alone and {} in `{with}` alone, worth {} of equal weight",
         compared.only_here,
+        result.scenario,
         compared.only_there,
         significant(compared.effective_size, 3)
     ));
@@ -127,7 +128,9 @@ fn comparison(result: &EstimateResult, compared: &ComparedEstimate) -> Vec<Strin
 
 /// The ratio with its interval, in words.
 pub(super) fn ratio(compared: &ComparedEstimate) -> String {
-    let Some(ratio) = compared.ratio else { return "none: the event never happened there".to_string() };
+    let Some(ratio) = compared.ratio else {
+        return format!("none: the event never happened in `{}`", compared.scenario);
+    };
     let ratio = significant(ratio, 3);
     if !compared.ratio_refusals.is_empty() {
         return format!("the estimate is refused ({ratio} would have been it)");

@@ -68,6 +68,44 @@ fn an_estimate_is_told_in_all_reports_and_its_runs_are_replayed() {
     assert_eq!(own, *estimate);
 }
 
+/// The run that it is compared with has a name of its own, with the noise of the other.
+#[test]
+fn two_in_the_same_encounters_are_told_and_their_runs_are_replayed() {
+    let text = WALK.replace("80.5 m", "75 m").replace(
+        "estimate hit {\n  of walk",
+        "scenario longer : walk { vehicle av { size 5 m x 2 m } }\nestimate hit {\n  of walk\n  compare with longer",
+    );
+    let folder = folder(&text.replace("claim <= 1e-5", "claim ratio <= 1"));
+    let path = folder.path();
+    let all = ["walk.scn", "--no-progress", "--json", "r.json", "--junit", "r.xml", "--html", "r.html"];
+    let output = scenario_runner(path, &all);
+    assert_eq!(output.status.code(), Some(0), "{}{}", stdout(&output), stderr(&output));
+    let read = |name: &str| fs::read_to_string(path.join(name)).unwrap();
+    let results: Value = serde_json::from_str(&read("r.json")).unwrap();
+    let compared = &results["suites"][0]["blocks"][0]["result"]["estimate"]["compared"];
+    assert_eq!(compared["differs"], serde_json::json!(["av.length: 5 m -> 4 m"]));
+    assert!(
+        read("r.xml").contains("name=\"ratio_estimate\"") && read("r.xml").contains("name=\"compared_with\"")
+    );
+    for words in ["in the same encounters", "ratio to `longer`", "runs with the event in `longer` alone"] {
+        assert!(read("r.html").contains(words), "{words}");
+    }
+    let again = scenario_runner(path, &["report", "r.json", "--json", "again.json"]);
+    assert!(again.status.success(), "{}", stderr(&again));
+    let again: Value = serde_json::from_str(&read("again.json")).unwrap();
+    assert_eq!(again["suites"][0]["blocks"][0]["result"]["estimate"]["compared"], *compared);
+    let key = compared["there"][0]["key"].as_str().unwrap();
+    assert!(key.contains("/longer/") && key.contains("/chance=walk/u="), "{key}");
+    let collision = |key: &str| {
+        let output = scenario_runner(path, &["replay", key, "walk.scn"]);
+        let text = stdout(&output);
+        let line = text.lines().find(|line| line.trim_start().starts_with("collision"));
+        line.unwrap_or_else(|| panic!("{key}: {text}{}", stderr(&output))).contains("yes")
+    };
+    let own = key.replace("/longer/", "/walk/").replace("/chance=walk", "");
+    assert!(collision(key) && !collision(&own), "it is hit by the longer car alone");
+}
+
 #[test]
 fn an_estimate_that_is_not_passed_ends_with_another_code() {
     let failed = folder(&WALK.replace("<= 1e-5", "<= 1e-7"));
