@@ -406,7 +406,8 @@ codes! {
     BadEstimate = "E0830", "a probability cannot be estimated",
         "An `estimate` block is of a scenario that draws what differs from run to run, as one trial: without `vary`, and with people who are \
          `drawn from` a population or one of it. Its score is a quantity that gets worse towards the event, such as `score pet`. \
-         docs/chance.md says what its two numbers mean.";
+         What it is compared with draws the same from the same, and has the same `seed`, as a scenario that builds on it and says a controller anew; \
+         only then claims may be about a `difference` or a `ratio`. docs/chance.md says what its numbers mean.";
     BudgetTooSmall = "E0831", "a claim or method needs more runs than the budget has",
         "Without assumptions nothing is shown by fewer runs than about 3 / p, whatever comes of them: `claim guaranteed <= 1e-5` at 95 % needs \
          299,572 runs that are drawn as they are, of which `by importance` makes one in ten. A plain `claim` is decided by the estimate, \
