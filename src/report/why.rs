@@ -7,12 +7,13 @@ use serde_json::{Value, json};
 use super::format::with_unit;
 use super::replay::{RunReason, describe, introduced, run_reasons};
 use results::{
-    CameOf, Neighbour, Otherwise, OtherwiseRun, Outcome, Requests, Story, TriedDeceleration, WhatIf,
+    CameOf, FirstSeen, Neighbour, Otherwise, OtherwiseRun, Outcome, Requests, Story, TriedDeceleration,
+    WhatIf,
 };
 use scenario::{Case, Criterion, Dimension};
 use sim::{Happening, StopReason, TimelineEvent};
 
-/// So many events are told; the first ones and the last ones.
+/// So many events are told besides who is shown whom and the contact.
 const EVENTS: usize = 7;
 
 /// A run whose story is told.
@@ -47,7 +48,7 @@ impl Standing {
             Self::Failed
         } else if reasons.iter().any(|reason| !reason.fulfils()) {
             Self::SpokenAgainst
-        } else if outcome.cut_off.is_some() {
+        } else if outcome.hides_meetings() {
             Self::CutOff
         } else if reasons.is_empty() {
             Self::NotJudged
@@ -73,7 +74,7 @@ impl Standing {
                 "this run speaks against what its trial is to have; other runs may outweigh it"
             }
             Self::CutOff => {
-                "nothing in this run speaks against what is asked of it, but it was cut off: what would have come was not seen"
+                "nothing in this run speaks against what is asked of it, but it ended before somebody was met: what would have come was not seen"
             }
             Self::Passed => "this run passes",
             Self::NotJudged => "nothing is asked of this run by itself",
@@ -99,33 +100,7 @@ pub fn render_why(run: &WhyRun) -> String {
     );
     values.push(format!("seed {}", case.seed));
     line(&format!("  with {}", values.join(", ")));
-    for seen in &story.first_seen {
-        let car = introduced(&case.world, &seen.vehicle);
-        let person = introduced(&case.world, &seen.pedestrian);
-        let (Some(time), Some(distance), Some(speed)) = (seen.time, seen.distance, seen.speed) else {
-            line(&format!("  {car} is never shown {person}"));
-            continue;
-        };
-        let sees = if seen.sees_everything { "sees at once" } else { "is first shown" };
-        line(&format!(
-            "  {time:>7.2} s  {car} {sees} {person}: {} away, at {}",
-            with_unit(distance, Dimension::LENGTH),
-            with_unit(speed, Dimension::SPEED)
-        ));
-    }
-    events(run).iter().for_each(|said| line(&format!("  {said}")));
-    if let Some(contact) = &story.contact {
-        line(&format!(
-            "  {:>7.2} s  contact of {} with {} at {} (vehicle {}), at x {:.2} m, y {:.2} m",
-            contact.time,
-            contact.vehicle,
-            contact.with,
-            with_unit(contact.relative_speed, Dimension::SPEED),
-            with_unit(contact.speed, Dimension::SPEED),
-            contact.place.0,
-            contact.place.1
-        ));
-    }
+    course(run, moment(story, &reasons)).iter().for_each(|said| line(&format!("  {said}")));
     let reason = match story.outcome.ending.reason {
         StopReason::Completed => "everybody has passed",
         StopReason::Collision => "the run ends at the collision",
@@ -156,30 +131,74 @@ fn cut_off(outcome: &Outcome) -> String {
     }
 }
 
-/// What happened, a line each, without what is told elsewhere.
-fn events(run: &WhyRun) -> Vec<String> {
+/// When the run failed, s: at its first contact, or when the first criterion that it does not have had its value.
+fn moment(story: &Story, reasons: &[RunReason]) -> Option<f64> {
+    let failing = || reasons.iter().find(|reason| !reason.fulfils());
+    story.contact.as_ref().map(|contact| contact.time).or_else(|| failing()?.time)
+}
+
+/// What happened, a line each in the order of time: all sights and the contact, and of the other events the first ones and the last ones
+/// until the run failed.
+fn course(run: &WhyRun, moment: Option<f64>) -> Vec<String> {
+    let story = run.story;
+    let stamp = |time: f64, said: String| (time, format!("{time:>7.2} s  {said}"));
+    let seen = story.first_seen.iter().map(|seen| first_sight(run, seen));
+    let (seen, never): (Vec<_>, Vec<_>) = seen.partition(|(time, _)| time.is_some());
+    let mut lines: Vec<(f64, String)> =
+        seen.into_iter().filter_map(|(time, said)| Some(stamp(time?, said))).collect();
     let is_told = |event: &&TimelineEvent| {
-        !matches!(
+        let is_elsewhere = matches!(
             event.what,
             Happening::Appears | Happening::ComesIntoSight { .. } | Happening::Collides { .. }
-        )
+        );
+        !is_elsewhere && moment.is_none_or(|moment| event.time <= moment)
     };
-    let lines: Vec<String> = run
-        .story
-        .events
-        .iter()
-        .filter(is_told)
-        .map(|event| format!("{:>7.2} s  {} {}", event.time, event.who, describe(&event.what)))
-        .collect();
-    if lines.len() <= EVENTS + 1 {
-        return lines;
+    let events: Vec<&TimelineEvent> = story.events.iter().filter(is_told).collect();
+    let left_out = events.len().saturating_sub(EVENTS);
+    let shown =
+        events.iter().enumerate().filter(|(place, _)| *place < EVENTS / 2 || *place >= EVENTS / 2 + left_out);
+    lines.extend(
+        shown.map(|(_, event)| stamp(event.time, format!("{} {}", event.who, describe(&event.what)))),
+    );
+    lines.extend(story.contact.as_ref().map(|contact| {
+        let said = format!(
+            "contact of {} with {}: they move against each other at {}, {} drives at {}; at x {:.2} m, y {:.2} m",
+            contact.vehicle,
+            contact.with,
+            with_unit(contact.relative_speed, Dimension::SPEED),
+            contact.vehicle,
+            with_unit(contact.speed, Dimension::SPEED),
+            contact.place.0,
+            contact.place.1
+        );
+        stamp(contact.time, said)
+    }));
+    lines.sort_by(|one, other| one.0.total_cmp(&other.0));
+    let mut lines: Vec<String> = lines.into_iter().map(|(_, line)| line).collect();
+    lines.extend(never.into_iter().map(|(_, said)| said));
+    let later = story.events.iter().filter(|event| moment.is_some_and(|moment| event.time > moment)).count();
+    if left_out + later > 0 {
+        lines.push(format!("      …    {} more events: `replay` and `--json` have them", left_out + later));
     }
-    // The moment of the failure is among the last ones before it.
-    let (first, left_out) = (EVENTS / 2, lines.len() - EVENTS);
-    let mut shown = lines[..first].to_vec();
-    shown.push(format!("      …    {left_out} more events: `replay` and `--json` have them all"));
-    shown.extend_from_slice(&lines[first + left_out..]);
-    shown
+    lines
+}
+
+/// When somebody was first shown whom, s, and that in words.
+fn first_sight(run: &WhyRun, seen: &FirstSeen) -> (Option<f64>, String) {
+    let world = &run.case.world;
+    let (car, person) = (introduced(world, &seen.vehicle), introduced(world, &seen.pedestrian));
+    let (Some(distance), Some(speed)) = (seen.distance, seen.speed) else {
+        return (None, format!("{car} is never shown {person}"));
+    };
+    let distance = with_unit(distance, Dimension::LENGTH);
+    let speed = with_unit(speed, Dimension::SPEED);
+    let said = match seen.sees_everything {
+        true => {
+            format!("{person} appears {distance} from {car}, which sees everything and drives at {speed}")
+        }
+        false => format!("{car} is first shown {person}, {distance} away, and drives at {speed}"),
+    };
+    (seen.time, said)
 }
 
 /// What would have come of something, in a sentence.
@@ -218,12 +237,12 @@ fn run_answer(run: &WhyRun, one: &OtherwiseRun) -> String {
     let reasons = run_reasons(run.criteria, outcome, run.requests);
     let against: Vec<String> = reasons
         .iter()
-        .filter(|reason| !reason.fulfils())
+        .filter(|reason| !reason.fulfils() && one.against.contains(&reason.criterion))
         .map(|reason| format!("{} `{}`: {}", reason.verb, reason.criterion, reason.words))
         .collect();
     match (against.is_empty(), one.cut_off) {
         (false, _) => write!(said, ", {}", against.join("; ")),
-        (true, true) => write!(said, ", nothing speaks against it, but it was cut off"),
+        (true, true) => write!(said, ", nothing speaks against it, but it ended before somebody was met"),
         (true, false) if reasons.is_empty() => Ok(()),
         (true, false) => write!(said, ", passes"),
     }
@@ -243,15 +262,7 @@ fn deceleration_answer(run: &WhyRun, tried: &[TriedDeceleration]) -> String {
         |one: &&TriedDeceleration| one.run.passes && !one.run.cut_off && one.run.contact.is_none();
     let avoids = |one: &&TriedDeceleration| one.run.error.is_none() && one.run.contact.is_none();
     if let Some(enough) = tried.iter().find(is_enough) {
-        let later: Vec<String> = tried
-            .iter()
-            .filter(|one| one.deceleration > enough.deceleration && !is_enough(one))
-            .map(|one| number(one.deceleration))
-            .collect();
-        let but = match &later[..] {
-            [] => String::new(),
-            not => format!(", but not {}", not.join(", ")),
-        };
+        let but = but_not(tried, enough, &is_enough);
         return format!("{} would have been enough{but} ({range})", number(enough.deceleration));
     }
     let mut said = "none would have been enough for all that is asked".to_string();
@@ -259,8 +270,9 @@ fn deceleration_answer(run: &WhyRun, tried: &[TriedDeceleration]) -> String {
         match tried.iter().find(avoids) {
             Some(one) => write!(
                 said,
-                "; {} would have avoided the contact, and still speaks against {}",
+                "; {} would have avoided the contact{}, and still speaks against {}",
                 number(one.deceleration),
+                but_not(tried, one, &avoids),
                 quoted(&one.run.against)
             ),
             None => write!(said, ", nor avoided the contact"),
@@ -270,9 +282,20 @@ fn deceleration_answer(run: &WhyRun, tried: &[TriedDeceleration]) -> String {
     format!("{said} ({range})")
 }
 
+/// `, but not 7 m/s^2` of what is harder than `least` and does not do.
+fn but_not(
+    tried: &[TriedDeceleration],
+    least: &TriedDeceleration,
+    does: &impl Fn(&&TriedDeceleration) -> bool,
+) -> String {
+    let harder = tried.iter().filter(|one| one.deceleration > least.deceleration && !does(one));
+    let not: Vec<String> = harder.map(|one| with_unit(one.deceleration, Dimension::ACCELERATION)).collect();
+    if not.is_empty() { String::new() } else { format!(", but not {}", not.join(", ")) }
+}
+
 fn quoted(criteria: &[String]) -> String {
     if criteria.is_empty() {
-        return "nothing, but it was cut off".to_string();
+        return "nothing, but ended before somebody was met".to_string();
     }
     criteria.iter().map(|one| format!("`{one}`")).collect::<Vec<_>>().join(", ")
 }

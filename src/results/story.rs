@@ -134,7 +134,7 @@ pub struct OtherwiseRun {
     pub outcome: Option<Outcome>,
     /// How fast a vehicle touched something, m/s; `None` if none did.
     pub contact: Option<f64>,
-    /// Whether its horizon, or a contact that ends runs, came before everything was decided.
+    /// Whether it ended before somebody was through whom a vehicle had yet to meet.
     pub cut_off: bool,
     /// Why it did not come to its end, if it did not; then nothing else is said.
     pub error: Option<String>,

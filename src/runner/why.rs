@@ -1,7 +1,7 @@
 //! The story of one run, and what would have come of it had something gone otherwise: each a run of its own.
 
 use crate::run::{BatchError, Ran, RunBatch, Wanted};
-use results::judge::per_run;
+use results::judge::{PerRun, per_run};
 use results::{
     CameOf, ContactMoment, FirstSeen, Otherwise, OtherwiseRun, Outcome, Requests, Story, TriedDeceleration,
     WhatIf,
@@ -29,7 +29,7 @@ pub fn story(batch: RunBatch, case: &Case, criteria: &[Criterion]) -> Result<Sto
     let first_seen = first_seen(case, &events, &trace);
     let contact = first_contact(case, &events, &trace);
     let mut story = Story { outcome, events, first_seen, contact, otherwise: Vec::new() };
-    let against = against(criteria, &story.outcome, &batch.measured.requests);
+    let against = against(criteria, &story.outcome, &batch.measured.requests, true);
     if !against.is_empty() || story.contact.is_some() {
         let what_ifs = WhatIfs { batch, case, criteria, story: &story, commands: &commands };
         story.otherwise = what_ifs.all()?;
@@ -38,8 +38,14 @@ pub fn story(batch: RunBatch, case: &Case, criteria: &[Criterion]) -> Result<Sto
 }
 
 /// What a run does not have that criteria want of each, in canonical words.
-fn against(criteria: &[Criterion], outcome: &Outcome, requests: &Requests) -> Vec<String> {
-    let standings = criteria.iter().filter_map(per_run).map(|one| one.standing(outcome, requests));
+fn against(criteria: &[Criterion], outcome: &Outcome, requests: &Requests, undefined: bool) -> Vec<String> {
+    let exists = |one: &PerRun| {
+        let index = requests.index(one.criterion.claim.metric());
+        undefined
+            || index.is_some_and(|index| outcome.metrics[index].is_some() || outcome.open(index).is_some())
+    };
+    let wanted = criteria.iter().filter_map(per_run).filter(exists);
+    let standings = wanted.map(|one| one.standing(outcome, requests));
     standings.filter(|one| !one.holds).map(|one| one.criterion).collect()
 }
 
@@ -121,7 +127,7 @@ impl WhatIfs<'_> {
         if let Some(vehicle) = vehicle {
             let seen = self.seen(vehicle, pedestrian);
             all.push(self.earlier(vehicle, seen)?);
-            all.push(self.harder(vehicle, seen)?);
+            all.push(self.harder(vehicle, pedestrian, seen)?);
         }
         if let Some(pedestrian) = pedestrian {
             all.push(self.later(pedestrian)?);
@@ -136,7 +142,8 @@ impl WhatIfs<'_> {
         let requests = &self.batch.measured.requests;
         let standings = self.criteria.iter().filter_map(per_run);
         let standings = standings.map(|one| one.standing(&self.story.outcome, requests));
-        let standing = standings.into_iter().find(|one| !one.holds);
+        let mut standings = standings;
+        let standing = standings.find(|one| !one.holds);
         let (car, person) = match (&self.story.contact, &standing) {
             (Some(contact), _) => (Some(&*contact.vehicle), Some(&*contact.with)),
             (None, Some(standing)) => (standing.vehicle.as_deref(), standing.pedestrian.as_deref()),
@@ -184,7 +191,12 @@ impl WhatIfs<'_> {
         Ok(WhatIf { what, came: CameOf::Run(self.run(&change)?) })
     }
 
-    fn harder(&self, vehicle: usize, seen: Option<f64>) -> Result<WhatIf, BatchError> {
+    fn harder(
+        &self,
+        vehicle: usize,
+        pedestrian: Option<usize>,
+        seen: Option<f64>,
+    ) -> Result<WhatIf, BatchError> {
         let braked = self.braked(vehicle, seen);
         let name = self.case.world.vehicles[vehicle].name.clone();
         let what = Otherwise::BrakesHarder {
@@ -199,7 +211,8 @@ impl WhatIfs<'_> {
         let (number, step) = DECELERATIONS;
         let tried = (1..=number).map(|number| {
             let deceleration = number as f64 * step;
-            let run = self.run(&Change::Decelerates { vehicle, from, deceleration })?;
+            let run =
+                self.run(&Change::Decelerates { vehicle, from, deceleration, until_gone: pedestrian })?;
             Ok(TriedDeceleration { deceleration, run })
         });
         Ok(WhatIf { what, came: CameOf::Decelerations(tried.collect::<Result<_, BatchError>>()?) })
@@ -220,22 +233,28 @@ impl WhatIfs<'_> {
     fn nobody(&self) -> Result<WhatIf, BatchError> {
         let came = match self.case.world.pedestrians.is_empty() {
             true => CameOf::DoesNotApply { because: "there are no pedestrians in it".to_string() },
-            false => CameOf::Run(self.run(&Change::NobodyAppears)?),
+            // What is asked of meetings has no value then.
+            false => CameOf::Run(self.run_where(&Change::NobodyAppears, false)?),
         };
         Ok(WhatIf { what: Otherwise::NobodyAppears, came })
     }
 
     fn run(&self, change: &Change) -> Result<OtherwiseRun, BatchError> {
+        self.run_where(change, true)
+    }
+
+    /// What came of a change; `undefined` speaks against a criterion where that is so in the run itself.
+    fn run_where(&self, change: &Change, undefined: bool) -> Result<OtherwiseRun, BatchError> {
         let requests = &self.batch.measured.requests;
         match self.batch.one_otherwise(self.case, Some(change), Wanted::TraceAndEvents) {
             Ok(ran) => {
                 let contact = first_contact(self.case, &ran.events, &ran.trace);
-                let against = against(self.criteria, &ran.outcome, requests);
+                let against = against(self.criteria, &ran.outcome, requests, undefined);
                 Ok(OtherwiseRun {
                     passes: against.is_empty(),
                     against,
                     contact: contact.map(|contact| contact.relative_speed),
-                    cut_off: ran.outcome.cut_off.is_some(),
+                    cut_off: ran.outcome.hides_meetings(),
                     outcome: Some(ran.outcome),
                     error: None,
                 })

@@ -23,7 +23,8 @@ pub enum Change {
         /// When that run ended, s: from then on there is only what is decided.
         until: f64,
     },
-    /// From `from` (s) on a vehicle loses at least that much speed, whatever its dynamics make of what is decided.
+    /// From `from` (s) until a pedestrian has left its lane a vehicle loses at least that much speed, whatever its dynamics make of
+    /// what is decided.
     Decelerates {
         /// Its index.
         vehicle: usize,
@@ -31,6 +32,8 @@ pub enum Change {
         from: f64,
         /// m/s², positive.
         deceleration: f64,
+        /// The pedestrian's index; `None`: to the end of the run.
+        until_gone: Option<usize>,
     },
     /// A pedestrian appears so much (s) later than they would.
     AppearsLater {
@@ -162,7 +165,10 @@ mod tests {
     use super::*;
 
     fn decelerates(deceleration: f64) -> Otherwise {
-        Otherwise { given: None, change: Some(Change::Decelerates { vehicle: 0, from: 1.0, deceleration }) }
+        Otherwise {
+            given: None,
+            change: Some(Change::Decelerates { vehicle: 0, from: 1.0, deceleration, until_gone: None }),
+        }
     }
 
     #[test]

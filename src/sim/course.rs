@@ -152,6 +152,8 @@ pub struct Course {
     contacts: Contacts,
     /// `None` in all runs but those of what would have been.
     postponed: Option<Postponed>,
+    /// Who is held back until whom has left its lane.
+    held_back: Option<(usize, usize)>,
     /// Of the step under way.
     sightings: Vec<Sighting>,
     steps: u64,
@@ -202,6 +204,7 @@ impl Course {
             wait_for_green: WaitForGreen::new(&world),
             contacts: Contacts::new(&world),
             postponed: None,
+            held_back: None,
             sightings: Vec::new(),
             steps: steps_within(world.horizon, world.step),
             index: 0,
@@ -215,6 +218,9 @@ impl Course {
     #[must_use]
     pub fn changed(mut self, change: Change) -> Self {
         self.postponed = Postponed::new(&change, self.world.pedestrians.len());
+        if let Change::Decelerates { vehicle, until_gone: Some(pedestrian), .. } = change {
+            self.held_back = Some((vehicle, pedestrian));
+        }
         if let Change::BrakesEarlier { vehicle, .. } | Change::Decelerates { vehicle, .. } = change {
             self.otherwise(vehicle).change = Some(change);
         }
@@ -377,7 +383,18 @@ impl Course {
             };
         }
         self.stage = Stage::Act;
+        self.release();
         self.ask_vehicles(time, false)
+    }
+
+    /// Holds nobody back any more for whom has left their lane.
+    fn release(&mut self) {
+        let Some((vehicle, pedestrian)) = self.held_back else { return };
+        let car = (&self.now.vehicles[vehicle], &self.world.vehicles[vehicle]);
+        if self.now.pedestrians[pedestrian].present && has_crossed(&self.world, &self.now, pedestrian, car) {
+            self.otherwise(vehicle).change = None;
+            self.held_back = None;
+        }
     }
 
     /// Asks every vehicle whose moment is `time` (s), everybody being where they are now or between two steps.

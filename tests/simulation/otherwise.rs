@@ -74,7 +74,7 @@ fn a_change_of_nothing_changes_no_bit() {
                 let until = plain.ending.time;
                 same(Change::BrakesEarlier { vehicle, from: 0.0, by: 0.0, commands, until });
                 // Later than the run.
-                same(Change::Decelerates { vehicle, from: until + 1.0, deceleration: 9.0 });
+                same(Change::Decelerates { vehicle, from: until + 1.0, deceleration: 9.0, until_gone: None });
             }
         }
     }
@@ -86,11 +86,11 @@ const STANDS: &str = "scenario stands {
   road { lane_width 3.5 m; speed_limit 50 km/h; crossing zebra }
   vehicle av { controller constant_speed; speed 36 km/h; start 60 m from crossing }
   pedestrian walker {
-    model scripted { speed: 1.5 m/s, stop_after: 2.75 m, stop_for: 60 s }
+    model scripted { speed: 1.5 m/s, stop_after: 2.75 m, stop_for: 12 s }
     start 1 m from kerb
     appears at 1 s
   }
-  horizon 30 s
+  horizon 60 s
   expect { no collision }
 }
 ";
@@ -123,6 +123,8 @@ fn the_deceleration_that_is_enough_is_that_of_the_way_that_is_left() {
     assert!(tried.iter().any(|one| one.run.contact.is_some()) && tried.iter().any(|one| one.run.passes));
     assert!(matches!(&later.came, CameOf::Run(run) if run.contact.is_some() && !run.passes));
     assert!(matches!(&nobody.came, CameOf::Run(run) if run.contact.is_none() && run.passes && !run.cut_off));
+    // Who has stopped is let go once the way is free; the others have passed.
+    assert!(tried.iter().all(|one| !one.run.cut_off), "{tried:?}");
 }
 
 /// Somebody later is somebody whose file says so.

@@ -7,7 +7,7 @@ use scenario::{Case, Draw, Value};
 /// Of the runs of its scenario with all that is wanted of each, the one nearest to a case; `None` if there is none.
 ///
 /// Values that differ count by their distance as a share of the span of all runs of the scenario, words and people 1 each; of two
-/// equally near the first is taken. What was cut off has not passed.
+/// equally near the first is taken. A run that ended before somebody was met has not passed.
 pub fn nearest_passing(results: &Results, case: &Case) -> Option<Neighbour> {
     let trials = || results.suites.iter().flat_map(|suite| &suite.trials);
     let runs = || {
@@ -33,7 +33,7 @@ pub fn nearest_passing(results: &Results, case: &Case) -> Option<Neighbour> {
             let mut wanted = trial.trial.criteria.iter().filter_map(per_run).peekable();
             wanted.peek().is_some()
                 && wanted.all(|one| one.standing(outcome, &results.requests).holds)
-                && outcome.cut_off.is_none()
+                && !outcome.hides_meetings()
         }
     });
     let with_distance = passing.map(|(trial, outcome)| {
