@@ -14,7 +14,7 @@ use scenario::{Case, Criterion, Dimension};
 use sim::{Happening, StopReason, TimelineEvent};
 
 /// So many events are told besides who is shown whom and the contact.
-const EVENTS: usize = 7;
+const EVENTS: usize = 6;
 
 /// A run whose story is told.
 pub struct WhyRun<'a> {
@@ -243,7 +243,7 @@ fn run_answer(run: &WhyRun, one: &OtherwiseRun) -> String {
     match (against.is_empty(), one.cut_off) {
         (false, _) => write!(said, ", {}", against.join("; ")),
         (true, true) => write!(said, ", nothing speaks against it, but it ended before somebody was met"),
-        (true, false) if reasons.is_empty() => Ok(()),
+        (true, false) if one.criteria == 0 => write!(said, ", and nothing that is asked applies then"),
         (true, false) => write!(said, ", passes"),
     }
     .expect("writing to a string cannot fail");
@@ -258,8 +258,10 @@ fn deceleration_answer(run: &WhyRun, tried: &[TriedDeceleration]) -> String {
     };
     let range =
         format!("{} to {}, {} tried", number(least.deceleration), number(most.deceleration), tried.len());
-    let is_enough =
-        |one: &&TriedDeceleration| one.run.passes && !one.run.cut_off && one.run.contact.is_none();
+    let is_enough = |one: &&TriedDeceleration| {
+        let run = &one.run;
+        run.error.is_none() && run.against.is_empty() && !run.cut_off && run.contact.is_none()
+    };
     let avoids = |one: &&TriedDeceleration| one.run.error.is_none() && one.run.contact.is_none();
     if let Some(enough) = tried.iter().find(is_enough) {
         let but = but_not(tried, enough, &is_enough);

@@ -125,8 +125,10 @@ pub struct TriedDeceleration {
 /// How a run went in which something went otherwise.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OtherwiseRun {
-    /// Whether it has all that criteria want of each run, as far as it was decided.
+    /// Whether it has all that is wanted of it, if anything is.
     pub passes: bool,
+    /// How many criteria want something of it; those on meetings do not where nobody comes.
+    pub criteria: usize,
     /// What it does not have, in canonical words.
     pub against: Vec<String>,
     /// What it came to, if it came to its end.

@@ -29,7 +29,7 @@ pub fn story(batch: RunBatch, case: &Case, criteria: &[Criterion]) -> Result<Sto
     let first_seen = first_seen(case, &events, &trace);
     let contact = first_contact(case, &events, &trace);
     let mut story = Story { outcome, events, first_seen, contact, otherwise: Vec::new() };
-    let against = against(criteria, &story.outcome, &batch.measured.requests, true);
+    let (against, _) = against(criteria, &story.outcome, &batch.measured.requests, true);
     if !against.is_empty() || story.contact.is_some() {
         let what_ifs = WhatIfs { batch, case, criteria, story: &story, commands: &commands };
         story.otherwise = what_ifs.all()?;
@@ -37,16 +37,23 @@ pub fn story(batch: RunBatch, case: &Case, criteria: &[Criterion]) -> Result<Sto
     Ok(story)
 }
 
-/// What a run does not have that criteria want of each, in canonical words.
-fn against(criteria: &[Criterion], outcome: &Outcome, requests: &Requests, undefined: bool) -> Vec<String> {
+/// What a run does not have that criteria want of each, in canonical words, and how many criteria want something of it: those whose metric
+/// does not exist in it only where that is `undefined`.
+fn against(
+    criteria: &[Criterion],
+    outcome: &Outcome,
+    requests: &Requests,
+    undefined: bool,
+) -> (Vec<String>, usize) {
     let exists = |one: &PerRun| {
         let index = requests.index(one.criterion.claim.metric());
         undefined
             || index.is_some_and(|index| outcome.metrics[index].is_some() || outcome.open(index).is_some())
     };
     let wanted = criteria.iter().filter_map(per_run).filter(exists);
-    let standings = wanted.map(|one| one.standing(outcome, requests));
-    standings.filter(|one| !one.holds).map(|one| one.criterion).collect()
+    let standings: Vec<_> = wanted.map(|one| one.standing(outcome, requests)).collect();
+    let number = standings.len();
+    (standings.into_iter().filter(|one| !one.holds).map(|one| one.criterion).collect(), number)
 }
 
 /// Where a road user is at the end of the step in which `time` (s) is, or at that moment where it is recorded.
@@ -63,9 +70,11 @@ fn first_seen(case: &Case, events: &[TimelineEvent], trace: &Trace) -> Vec<First
                 event.who == person.name
                     && matches!(&event.what, Happening::ComesIntoSight { of } if *of == car.name)
             };
+            let appears =
+                |event: &&TimelineEvent| event.who == person.name && matches!(event.what, Happening::Appears);
             let time = match &car.sees {
                 Some(_) => events.iter().find(is_shown).map(|event| event.time),
-                None => trace.samples.iter().find(|one| one.who == cars + pedestrian).map(|one| one.time),
+                None => events.iter().find(appears).map(|event| event.time),
             };
             let both =
                 time.and_then(|time| Some((at(trace, vehicle, time)?, at(trace, cars + pedestrian, time)?)));
@@ -249,9 +258,10 @@ impl WhatIfs<'_> {
         match self.batch.one_otherwise(self.case, Some(change), Wanted::TraceAndEvents) {
             Ok(ran) => {
                 let contact = first_contact(self.case, &ran.events, &ran.trace);
-                let against = against(self.criteria, &ran.outcome, requests, undefined);
+                let (against, criteria) = against(self.criteria, &ran.outcome, requests, undefined);
                 Ok(OtherwiseRun {
-                    passes: against.is_empty(),
+                    passes: against.is_empty() && criteria > 0,
+                    criteria,
                     against,
                     contact: contact.map(|contact| contact.relative_speed),
                     cut_off: ran.outcome.hides_meetings(),
@@ -261,6 +271,7 @@ impl WhatIfs<'_> {
             }
             Err(BatchError::Run { error, .. }) => Ok(OtherwiseRun {
                 passes: false,
+                criteria: 0,
                 against: Vec::new(),
                 contact: None,
                 cut_off: false,

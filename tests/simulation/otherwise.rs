@@ -84,7 +84,7 @@ fn a_change_of_nothing_changes_no_bit() {
 /// A car that keeps its speed, and somebody who stands in its way.
 const STANDS: &str = "scenario stands {
   road { lane_width 3.5 m; speed_limit 50 km/h; crossing zebra }
-  vehicle av { controller constant_speed; speed 36 km/h; start 60 m from crossing }
+  vehicle av { controller constant_speed; speed 36 km/h; start 60 m before crossing }
   pedestrian walker {
     model scripted { speed: 1.5 m/s, stop_after: 2.75 m, stop_for: 12 s }
     start 1 m from kerb
@@ -148,7 +148,7 @@ fn who_comes_later_is_who_appears_later_in_a_file() {
     let nobody = outcome(STANDS, Some(Change::NobodyAppears));
     assert_eq!(
         nobody.fingerprint,
-        outcome(&STANDS.replace("at 1 s", "at 29 s"), Some(Change::NobodyAppears)).fingerprint
+        outcome(&STANDS.replace("at 1 s", "at 59 s"), Some(Change::NobodyAppears)).fingerprint
     );
 }
 
