@@ -70,7 +70,7 @@ fn a_run_that_passes_has_its_margins_and_nothing_otherwise() {
     let said = why(&drive("at 15 s", "30 s", "no collision; max_deceleration <= 2 m/s^2"), &[]);
     assert!(said.starts_with("a/drive/rep=1: this run passes\n"), "{said}");
     assert!(
-        said.contains("fulfils `max_deceleration <= 2 m/s^2`: max_deceleration 0 m/s² (+2 m/s²)"),
+        said.contains("fulfils `max_deceleration <= 2 m/s^2`: max_deceleration 0 m/s^2 (+2 m/s^2)"),
         "{said}"
     );
     assert!(!said.contains("with av") && !said.contains("nearest"), "{said}");
