@@ -2,8 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::control::TIME_TOLERANCE;
 use scenario::agent::{Command, Longitudinal};
+
+/// Absorbs the rounding of sums and products when times are compared, s: that of whoever asks controllers.
+pub(super) const TIME_TOLERANCE: f64 = 1e-9;
 
 /// What goes otherwise in a run than its world has it. Everybody reacts to it as they do, on the same noise.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

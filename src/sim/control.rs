@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use nalgebra::Vector2;
 
 use super::abreast::Abreast;
-use super::change::Otherwise;
+use super::change::{Otherwise, TIME_TOLERANCE};
 use super::crossings_ahead::CrossingsAhead;
 use super::curvature::CurvatureChanges;
 use super::observer::Sighting;
@@ -18,9 +18,6 @@ use scenario::agent::{
     SeenVehicle, Snapshot, VehicleState,
 };
 use scenario::{CommandKind, Ground, Located, Road, RoadUserKind, VehicleSetup, World};
-
-/// Absorbs the rounding of sums and products when times are compared, s.
-pub(super) const TIME_TOLERANCE: f64 = 1e-9;
 
 /// Where a settling vehicle believes to be: too far from the crossing for it to matter, m.
 const FAR_AWAY: f64 = 1e6;

@@ -6,9 +6,9 @@ use nalgebra::Vector2;
 use thiserror::Error;
 
 use super::abreast::Abreast;
-use super::change::{Change, GivenCommand, Otherwise, Postponed};
+use super::change::{Change, GivenCommand, Otherwise, Postponed, TIME_TOLERANCE};
 use super::contact::Contacts;
-use super::control::{Control, TIME_TOLERANCE};
+use super::control::Control;
 use super::keep_clear::KeepClear;
 use super::legs::Legs;
 use super::observer::{Ending, Observer, Sighting, Step, StopReason};
