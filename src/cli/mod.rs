@@ -37,6 +37,7 @@ mod store;
 mod try_program;
 mod validate;
 mod validate_population;
+mod why;
 
 #[cfg(not(feature = "fmu"))]
 use std::path::Path;
@@ -112,6 +113,8 @@ enum Command {
     Validate(validate::ValidateArguments),
     /// Run exactly one case again and print what happened when.
     Replay(replay::ReplayArguments),
+    /// Tell the story of one run, and what would have come of it had something gone otherwise.
+    Why(why::WhyArguments),
     /// Draw a scenario from above, before it runs or at moments of its run.
     Sketch(sketch::SketchArguments),
     /// Write a failing run as a small scenario file of its own, moved towards nominal values.
@@ -194,6 +197,7 @@ fn obey(cli: Cli, registry: &Registry) -> Exit {
         Some(Command::Calibrate(arguments)) => calibrate::run(&arguments, registry),
         Some(Command::Validate(arguments)) => validate::run(&arguments),
         Some(Command::Replay(arguments)) => replay::replay(&arguments, registry),
+        Some(Command::Why(arguments)) => why::why(&arguments, registry),
         Some(Command::Sketch(arguments)) => sketch::sketch(&arguments, registry),
         Some(Command::Shrink(arguments)) => shrink::shrink(&arguments, registry),
         Some(Command::Allow(arguments)) => allow::allow(&arguments, registry),

@@ -8,7 +8,9 @@ use super::Exit;
 use super::load;
 use super::programs::ProgramArguments;
 use super::set::SetArguments;
+use report::case_values;
 use report::console::stderr;
+use results::Requests;
 use runner::corpus;
 use runner::experiment::searched_case;
 use runner::plan::{PlannedTrial, plan_scenario};
@@ -44,6 +46,25 @@ pub struct FoundCase<'a> {
     pub case: Case,
     /// What is asked of its trial, with constant bounds.
     pub criteria: Vec<Criterion>,
+}
+
+impl FoundCase<'_> {
+    /// All that is measured by default, and what is asked of its suite.
+    pub fn requests(&self, registry: &Registry) -> Requests {
+        let mut requests = Requests::defaults(registry);
+        self.suite.plan.trials().for_each(|trial| requests.include(&trial.criteria));
+        requests.include(&self.criteria);
+        requests
+    }
+
+    /// What the run has of its own, in the units that it is written in, and what was set.
+    pub fn values(&self) -> Vec<(String, String)> {
+        let suite = &self.suite.suite;
+        let scenario = suite.scenarios.iter().find(|scenario| scenario.name == self.case.scenario);
+        let mut values = scenario.map_or_else(Vec::new, |scenario| case_values(&self.case, scenario));
+        values.extend(suite.set.iter().map(|set| ("set".to_string(), set.clone())));
+        values
+    }
 }
 
 impl CaseArguments {

@@ -10,8 +10,7 @@ use super::run::LastRun;
 use super::run::watch::Columns;
 use files::WholeFile;
 use report::console::{stderr, stdout};
-use report::{ReplayIntroduction, case_values, render_replay, replay_reasons, write_trace_with};
-use results::Requests;
+use report::{ReplayIntroduction, render_replay, replay_reasons, write_trace_with};
 use runner::corpus::{case_hash, corpus_path};
 use runner::run::{MeasuredMetrics, Ran, RunBatch, Stop, Wanted, WentDifferently, went_differently};
 use scenario::registry::Registry;
@@ -54,12 +53,9 @@ struct Expected {
 
 fn replay_case(arguments: &ReplayArguments, found: &FoundCase, registry: &Registry) -> Result<Exit, Exit> {
     let FoundCase { suite, case, .. } = found;
-    let mut requests = Requests::defaults(registry);
-    suite.plan.trials().for_each(|trial| requests.include(&trial.criteria));
-    requests.include(&found.criteria);
     let (threads, measured, stop) = (
         arguments.case.programs.threads(Some(1), [&suite.suite])?,
-        MeasuredMetrics::new(requests),
+        MeasuredMetrics::new(found.requests(registry)),
         Stop::default(),
     );
     let batch = RunBatch { executor: &threads, measured: &measured, stop: &stop };
@@ -73,11 +69,8 @@ fn replay_case(arguments: &ReplayArguments, found: &FoundCase, registry: &Regist
         }
     };
     let requests = &measured.requests;
-    let scenario = suite.suite.scenarios.iter().find(|scenario| scenario.name == case.scenario);
-    let mut values = scenario.map_or_else(Vec::new, |scenario| case_values(case, scenario));
-    values.extend(suite.suite.set.iter().map(|set| ("set".to_string(), set.clone())));
     let reasons = replay_reasons(&found.criteria, &outcome, requests);
-    let introduction = ReplayIntroduction { values, reasons };
+    let introduction = ReplayIntroduction { values: found.values(), reasons };
     write!(stdout(), "{}", render_replay(case, &introduction, &outcome, &events, requests));
     if let Some(path) = &arguments.trace {
         let written = WholeFile::create(path).and_then(|mut file| {

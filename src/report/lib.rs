@@ -56,6 +56,7 @@ mod terminal;
 mod trace;
 mod usual;
 mod variable;
+mod why;
 mod wording;
 
 pub use baseline::{Form, render_baseline, render_difference, render_sight};
@@ -86,6 +87,7 @@ pub use table::render_tables;
 pub use tap::write_tap;
 pub use terminal::{Live, StatusLevel, Terminal};
 pub use trace::{TraceColumns, write_trace, write_trace_with};
+pub use why::{WhyRun, render_why, why_json};
 pub use wording::run_words;
 
 use std::io;

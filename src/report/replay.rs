@@ -6,7 +6,7 @@ use super::format::{quantity, with_unit};
 use super::wording::run_words;
 use results::judge::per_run;
 use results::{Outcome, Requests};
-use scenario::{Assignment, Case, Criterion, Dimension, Scenario, Value, Written, show};
+use scenario::{Assignment, Case, Criterion, Dimension, Scenario, Value, World, Written, show};
 use sim::{Happening, StopReason, TimelineEvent};
 
 /// The values that a case has of its own, in the units that they are written in: what its scenario varies.
@@ -145,6 +145,14 @@ pub fn render_replay(
     line(String::new());
     line(format!("  fingerprint  {:016x}", outcome.fingerprint));
     text
+}
+
+/// A road user with the model that decides for it: `av (carla_behavior)`.
+pub(crate) fn introduced(world: &World, name: &str) -> String {
+    let cars = world.vehicles.iter().map(|car| (&car.name, car.controller.model.name()));
+    let people = world.pedestrians.iter().map(|person| (&person.name, person.model.model.name()));
+    let model = cars.chain(people).find(|(known, _)| *known == name).map(|(_, model)| model);
+    model.map_or_else(|| name.to_string(), |model| format!("{name} ({model})"))
 }
 
 /// An event in words, without when and who.

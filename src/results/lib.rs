@@ -32,6 +32,7 @@ mod search;
 mod skip;
 mod standing;
 mod statement;
+mod story;
 mod suite;
 mod summary;
 mod trial;
@@ -83,6 +84,9 @@ pub use search::{CoursePoint, Found, FrontPoint, MetricCourse, SearchResult, Usu
 pub use skip::{Skip, Stopping};
 pub use standing::Standing;
 pub use statement::{ClaimResult, ClaimValues, Conclusion, StatementResult, TrendPoint};
+pub use story::{
+    CameOf, ContactMoment, FirstSeen, Neighbour, Otherwise, OtherwiseRun, Story, TriedDeceleration, WhatIf,
+};
 pub use suite::{
     PeopleUsed, Program, SuiteIdentity, SuiteReport, TriedSeed, is_use, is_value, record_command, set_options,
 };

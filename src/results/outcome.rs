@@ -52,6 +52,11 @@ impl Outcome {
         self.cut_off.as_ref()?.open.get(index).copied()
     }
 
+    /// Whether it ended before somebody was through whom a vehicle had yet to meet: what criteria on meetings hold was not seen.
+    pub fn hides_meetings(&self) -> bool {
+        self.cut_off.as_ref().is_some_and(|cut| !cut.unfinished.is_empty() || !cut.on_course.is_empty())
+    }
+
     /// Forgets the critical instants of all metrics but those that criteria are about: there is one for each metric of each
     /// of maybe a million runs, and nobody asks for the others.
     pub fn forget_unasked(&mut self, criteria: &[Criterion], requests: &Requests) {

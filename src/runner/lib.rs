@@ -16,3 +16,4 @@ pub mod project;
 pub mod run;
 pub mod session;
 pub mod shrink;
+pub mod why;

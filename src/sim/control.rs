@@ -5,6 +5,7 @@ use std::collections::VecDeque;
 use nalgebra::Vector2;
 
 use super::abreast::Abreast;
+use super::change::{Otherwise, TIME_TOLERANCE};
 use super::crossings_ahead::CrossingsAhead;
 use super::curvature::CurvatureChanges;
 use super::observer::Sighting;
@@ -17,9 +18,6 @@ use scenario::agent::{
     SeenVehicle, Snapshot, VehicleState,
 };
 use scenario::{CommandKind, Ground, Located, Road, RoadUserKind, VehicleSetup, World};
-
-/// Absorbs the rounding of sums and products when times are compared, s.
-pub(super) const TIME_TOLERANCE: f64 = 1e-9;
 
 /// Where a settling vehicle believes to be: too far from the crossing for it to matter, m.
 const FAR_AWAY: f64 = 1e6;
@@ -56,6 +54,8 @@ pub(super) struct Control {
     /// Whether somebody outside is to decide now.
     pub waits: bool,
     settling: Settling,
+    /// What goes otherwise than decided; `None` in all runs but those of what would have been.
+    pub otherwise: Option<Box<Otherwise>>,
 }
 
 /// What a vehicle does meanwhile.
@@ -145,6 +145,7 @@ impl Control {
                 begun: false,
                 driven: 0.0,
             },
+            otherwise: None,
         }
     }
 
@@ -357,7 +358,10 @@ impl Control {
 
     /// Lets the vehicle do for `duration` (s) what it is told at `time` (s), and steer if it is told to.
     #[inline]
-    pub fn drive(&self, time: f64, duration: f64, car: &mut VehicleState, driven: &mut Driven) {
+    pub fn drive(&mut self, time: f64, duration: f64, car: &mut VehicleState, driven: &mut Driven) {
+        if self.otherwise.is_some() {
+            return self.drive_otherwise(time, duration, car, driven);
+        }
         if self.curvature.is_none() && car.steered.is_none() {
             return self.drive_on(time, duration, &mut car.motion, driven);
         }
@@ -366,9 +370,28 @@ impl Control {
         self.steering.follow(car, before, self.curvature, duration);
     }
 
+    /// As [`Self::drive`], where something goes otherwise.
+    #[cold]
+    fn drive_otherwise(&mut self, time: f64, duration: f64, car: &mut VehicleState, driven: &mut Driven) {
+        let before = car.motion;
+        let decided = self.command_at(time, before.speed);
+        let otherwise = self.otherwise.as_mut().map(|one| one.command(time, decided));
+        self.follow(otherwise.unwrap_or(decided), duration, &mut car.motion, driven);
+        if let Some(otherwise) = &self.otherwise {
+            otherwise.hold_back(time, duration, &before, &mut car.motion);
+        }
+        if self.curvature.is_some() || car.steered.is_some() {
+            self.steering.follow(car, before, self.curvature, duration);
+        }
+    }
+
     /// Lets the vehicle do along its way for `duration` (s) what it is told at `time` (s).
     fn drive_on(&self, time: f64, duration: f64, motion: &mut Longitudinal, driven: &mut Driven) {
-        let command = self.command_at(time, motion.speed);
+        self.follow(self.command_at(time, motion.speed), duration, motion, driven);
+    }
+
+    /// Lets the vehicle do along its way for `duration` (s) what it is told.
+    fn follow(&self, command: Command, duration: f64, motion: &mut Longitudinal, driven: &mut Driven) {
         match &self.ground {
             None => driven.dynamics.advance(motion, command, duration),
             Some(ground) => driven.dynamics.advance_on(ground, motion, command, duration),

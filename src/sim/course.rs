@@ -6,8 +6,9 @@ use nalgebra::Vector2;
 use thiserror::Error;
 
 use super::abreast::Abreast;
+use super::change::{Change, GivenCommand, Otherwise, Postponed, TIME_TOLERANCE};
 use super::contact::Contacts;
-use super::control::{Control, TIME_TOLERANCE};
+use super::control::Control;
 use super::keep_clear::KeepClear;
 use super::legs::Legs;
 use super::observer::{Ending, Observer, Sighting, Step, StopReason};
@@ -149,6 +150,10 @@ pub struct Course {
     /// `None` where nobody waits for a signal.
     wait_for_green: Option<WaitForGreen>,
     contacts: Contacts,
+    /// `None` in all runs but those of what would have been.
+    postponed: Option<Postponed>,
+    /// Who is held back until whom has left its lane.
+    held_back: Option<(usize, usize)>,
     /// Of the step under way.
     sightings: Vec<Sighting>,
     steps: u64,
@@ -198,6 +203,8 @@ impl Course {
             keep_clear: KeepClear::new(&world),
             wait_for_green: WaitForGreen::new(&world),
             contacts: Contacts::new(&world),
+            postponed: None,
+            held_back: None,
             sightings: Vec::new(),
             steps: steps_within(world.horizon, world.step),
             index: 0,
@@ -205,6 +212,37 @@ impl Course {
             world,
             users,
         }
+    }
+
+    /// The same run, in which something goes otherwise. To be said before it goes on.
+    #[must_use]
+    pub fn changed(mut self, change: Change) -> Self {
+        self.postponed = Postponed::new(&change, self.world.pedestrians.len());
+        if let Change::Decelerates { vehicle, until_gone: Some(pedestrian), .. } = change {
+            self.held_back = Some((vehicle, pedestrian));
+        }
+        if let Change::BrakesEarlier { vehicle, .. } | Change::Decelerates { vehicle, .. } = change {
+            self.otherwise(vehicle).change = Some(change);
+        }
+        self
+    }
+
+    /// The same run, of which is noted what each vehicle is told from time 0 on. To be said before it goes on.
+    #[must_use]
+    pub fn noting_commands(mut self) -> Self {
+        (0..self.controls.len()).for_each(|vehicle| self.otherwise(vehicle).given = Some(Vec::new()));
+        self
+    }
+
+    /// What each vehicle was told, where that was [noted](Self::noting_commands).
+    pub fn into_commands(self) -> Vec<Vec<GivenCommand>> {
+        let given =
+            |control: Control| control.otherwise.and_then(|otherwise| otherwise.given).unwrap_or_default();
+        self.controls.into_iter().map(given).collect()
+    }
+
+    fn otherwise(&mut self, vehicle: usize) -> &mut Otherwise {
+        self.controls[vehicle].otherwise.get_or_insert_default()
     }
 
     /// Goes on until somebody outside has to decide, or to the end. `observer` is to be the same in every call.
@@ -319,26 +357,44 @@ impl Course {
     fn ask(&mut self) -> Result<(), Fault> {
         let time = self.time();
         let setups = self.world.pedestrians.iter().zip(&self.meetings).zip(&mut self.earlier);
-        for (state, ((setup, meeting), (_, late))) in self.now.pedestrians.iter_mut().zip(setups) {
-            state.present = state.present
-                || match setup.appears {
-                    Appearance::At(start) => time >= start - TIME_TOLERANCE,
-                    Appearance::TimeToArrival { vehicle, reference, time: wanted } => {
-                        let car = &self.now.vehicles[vehicle];
-                        let left = car.time_to_arrival(*meeting, reference);
-                        left <= wanted + TIME_TOLERANCE
-                    }
-                    Appearance::Meeting { vehicle, time: wanted, .. } => {
-                        let left =
-                            self.now.vehicles[vehicle].time_to_arrival(*meeting, VehicleReference::Front);
-                        let comes = left - wanted < self.world.step - TIME_TOLERANCE;
-                        *late = if comes { (left - wanted).max(0.0) } else { 0.0 };
-                        comes
-                    }
-                };
+        for (index, (state, ((setup, meeting), (_, late)))) in
+            self.now.pedestrians.iter_mut().zip(setups).enumerate()
+        {
+            if state.present {
+                continue;
+            }
+            let comes = match setup.appears {
+                Appearance::At(start) => time >= start - TIME_TOLERANCE,
+                Appearance::TimeToArrival { vehicle, reference, time: wanted } => {
+                    let car = &self.now.vehicles[vehicle];
+                    let left = car.time_to_arrival(*meeting, reference);
+                    left <= wanted + TIME_TOLERANCE
+                }
+                Appearance::Meeting { vehicle, time: wanted, .. } => {
+                    let left = self.now.vehicles[vehicle].time_to_arrival(*meeting, VehicleReference::Front);
+                    let comes = left - wanted < self.world.step - TIME_TOLERANCE;
+                    *late = if comes { (left - wanted).max(0.0) } else { 0.0 };
+                    comes
+                }
+            };
+            state.present = match &mut self.postponed {
+                None => comes,
+                Some(postponed) => postponed.appears(index, time, comes, late),
+            };
         }
         self.stage = Stage::Act;
+        self.release();
         self.ask_vehicles(time, false)
+    }
+
+    /// Holds nobody back any more for whom has left their lane.
+    fn release(&mut self) {
+        let Some((vehicle, pedestrian)) = self.held_back else { return };
+        let car = (&self.now.vehicles[vehicle], &self.world.vehicles[vehicle]);
+        if self.now.pedestrians[pedestrian].present && has_crossed(&self.world, &self.now, pedestrian, car) {
+            self.otherwise(vehicle).change = None;
+            self.held_back = None;
+        }
     }
 
     /// Asks every vehicle whose moment is `time` (s), everybody being where they are now or between two steps.
@@ -508,7 +564,7 @@ impl Course {
 
     /// Moves the vehicles on by `duration` (s) from `time` (s).
     fn drive_on(&mut self, time: f64, duration: f64) {
-        let controlled = self.controls.iter().zip(&mut self.users.vehicles);
+        let controlled = self.controls.iter_mut().zip(&mut self.users.vehicles);
         for (state, (control, driven)) in self.next.vehicles.iter_mut().zip(controlled) {
             control.drive(time, duration, state, driven);
         }
@@ -535,7 +591,9 @@ impl Course {
     /// Whether every vehicle has passed the finish line and every pedestrian every vehicle's lane.
     fn is_complete(&self) -> bool {
         let vehicles = (0..self.now.vehicles.len()).map(Solid::Vehicle);
-        let mut everybody = vehicles.chain((0..self.now.pedestrians.len()).map(Solid::Pedestrian));
+        let comes = |index: &usize| self.postponed.as_ref().is_none_or(|one| !one.never(*index));
+        let people = (0..self.now.pedestrians.len()).filter(comes);
+        let mut everybody = vehicles.chain(people.map(Solid::Pedestrian));
         if self.across.is_empty() {
             return everybody.all(|who| has_arrived(&self.world, &self.now, who));
         }

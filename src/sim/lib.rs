@@ -16,6 +16,7 @@
 #![deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro)]
 
 mod abreast;
+mod change;
 mod clear_ahead;
 mod closing;
 mod contact;
@@ -48,6 +49,7 @@ mod wait_for_green;
 mod way;
 
 pub use abreast::Abreast;
+pub use change::{Change, GivenCommand, brakes};
 pub use contact::{Contacts, Touch};
 pub use course::{
     Course, Fault, Progress, has_arrived, has_crossed, longest_run, meeting_place, simulate, walking_time,

@@ -32,3 +32,4 @@ mod summary;
 mod support;
 mod units;
 mod verdicts;
+mod why;

@@ -54,7 +54,7 @@ const ROOMS: [(&str, &[&str]); 8] = [
     ("models", &["metrics", "pedestrian", "vehicle", "calibrate", "models"]),
     (
         "runner",
-        &["plan", "run", "baseline", "corpus", "shrink", "experiment", "project", "session", "runner"],
+        &["plan", "run", "baseline", "corpus", "shrink", "why", "experiment", "project", "session", "runner"],
     ),
     ("report", &["console", "svg", "drawing", "report"]),
     (FRONT, &["testing", "cli", FRONT]),

@@ -21,6 +21,7 @@ mod keeping_clear;
 mod left_hand;
 mod meetings;
 mod numerics;
+mod otherwise;
 mod refuges;
 mod same_as;
 mod several_others;

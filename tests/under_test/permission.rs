@@ -22,6 +22,7 @@ pub fn nothing_runs_that_is_not_allowed() -> Outcome {
         &["meet.scn"][..],
         &["meet.scn", "--allow-run=other"],
         &["replay", "meet/meet/later=0s/rep=1", "meet.scn"],
+        &["why", "meet/meet/later=0s/rep=1", "meet.scn"],
         &["baseline", "save", "meet.scn"],
         &["compare", "meet.scn", "meet.scn"],
     ] {

@@ -3,9 +3,9 @@
 use serde::Serialize;
 
 use crate::format::with_unit;
-use crate::replay::{RunReason, run_reasons};
+use crate::replay::{RunReason, introduced, run_reasons};
 use results::{Outcome, Recording, Requests, SuiteReport, TrialReport};
-use scenario::{Dimension, World};
+use scenario::Dimension;
 use sim::Happening;
 
 /// What is said of one run.
@@ -105,14 +105,6 @@ fn first_contact(recording: &Recording) -> Option<(f64, f64, String)> {
         );
         Some((event.time, speed, words))
     })
-}
-
-/// A road user with the model that decides for it: `av (carla_behavior)`.
-fn introduced(world: &World, name: &str) -> String {
-    let cars = world.vehicles.iter().map(|car| (&car.name, car.controller.model.name()));
-    let people = world.pedestrians.iter().map(|person| (&person.name, person.model.model.name()));
-    let model = cars.chain(people).find(|(known, _)| *known == name).map(|(_, model)| model);
-    model.map_or_else(|| name.to_string(), |model| format!("{name} ({model})"))
 }
 
 /// Names between quotation marks, where a terminal has backticks.

@@ -198,7 +198,7 @@ impl Sequence for Proposed<'_> {
     fn job(&mut self, place: JobPlace) -> Job {
         let (case, measured) = (self.cases[place.run].clone(), self.context.measured.clone());
         let wanted = self.context.first_runs.wanted(self.number + place.run, &case);
-        Job { place, case, measured, wanted, alone: false }
+        Job { place, case, measured, wanted, alone: false, change: None }
     }
 
     fn take(&mut self, done: Done) -> ControlFlow<()> {

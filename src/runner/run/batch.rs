@@ -14,6 +14,7 @@ use super::sequence::{Sequence, Sequences, run_sequences};
 use super::stop::Stop;
 use results::Outcome;
 use scenario::Case;
+use sim::Change;
 
 /// Why there are no outcomes.
 #[derive(Debug, Error)]
@@ -68,8 +69,19 @@ impl RunBatch<'_> {
         case: impl FnMut(usize) -> Case + Send,
         take: impl FnMut(Case, Ran) + Send,
     ) -> Result<(), BatchError> {
+        self.made_otherwise(None, runs, wanted, case, take)
+    }
+
+    fn made_otherwise(
+        self,
+        change: Option<&Change>,
+        runs: usize,
+        wanted: impl FnMut(usize, &Case) -> Wanted + Send,
+        case: impl FnMut(usize) -> Case + Send,
+        take: impl FnMut(Case, Ran) + Send,
+    ) -> Result<(), BatchError> {
         let Self { executor, measured, stop } = self;
-        let one = One { runs, wanted, case, take, measured, failed: None };
+        let one = One { runs, wanted, case, take, measured, change, failed: None };
         let mut only = Only { one: Some(one), begun: false, taken: 0 };
         run_sequences(executor, &mut only, stop);
         match only.one.and_then(|one| one.failed) {
@@ -141,8 +153,24 @@ impl RunBatch<'_> {
     /// # Panics
     /// As for [`Self::each`].
     pub fn one(self, case: &Case, wanted: Wanted) -> Result<Ran, BatchError> {
+        self.one_otherwise(case, None, wanted)
+    }
+
+    /// What would have come of a case if something had gone otherwise.
+    ///
+    /// # Errors
+    /// As for [`Self::each`].
+    ///
+    /// # Panics
+    /// As for [`Self::each`].
+    pub fn one_otherwise(
+        self,
+        case: &Case,
+        change: Option<&Change>,
+        wanted: Wanted,
+    ) -> Result<Ran, BatchError> {
         let mut result = None;
-        self.each(1, wanted, |_| case.clone(), |_, ran| result = Some(ran))?;
+        self.made_otherwise(change, 1, |_, _| wanted, |_| case.clone(), |_, ran| result = Some(ran))?;
         Ok(result.expect("a run that was made came to something"))
     }
 }
@@ -154,6 +182,7 @@ struct One<'b, W, C, T> {
     case: C,
     take: T,
     measured: &'b Arc<MeasuredMetrics>,
+    change: Option<&'b Change>,
     failed: Option<(String, JobFailure)>,
 }
 
@@ -170,7 +199,8 @@ where
     fn job(&mut self, place: JobPlace) -> Job {
         let case = (self.case)(place.run);
         let wanted = (self.wanted)(place.run, &case);
-        Job { place, case, measured: self.measured.clone(), wanted, alone: false }
+        let change = self.change.cloned().map(Box::new);
+        Job { place, case, measured: self.measured.clone(), wanted, alone: false, change }
     }
 
     fn take(&mut self, done: Done) -> ControlFlow<()> {

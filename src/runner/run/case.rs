@@ -6,7 +6,7 @@ use super::free_flow::FreeFlows;
 use super::panic::in_case;
 use results::{Outcome, Requests};
 use scenario::Case;
-use sim::{Observer, Progress, Step};
+use sim::{Change, GivenCommand, Observer, Progress, Step};
 
 /// Runs one case and reads the requested metrics off it. `watcher` sees every step and changes nothing.
 ///
@@ -20,17 +20,29 @@ pub fn run_case(
     free_flows: &FreeFlows,
     watcher: &mut dyn Observer,
 ) -> Result<Outcome, RunError> {
-    in_case(&case.key, || run(case, requests, free_flows, watcher))
+    in_case(&case.key, || run(case, (None, false), requests, free_flows, watcher)).map(|(outcome, _)| outcome)
+}
+
+/// As [`run_case`], where something goes otherwise or commands are noted; with what each vehicle was told if they are.
+pub(super) fn run_changed(
+    case: &Case,
+    otherwise: (Option<&Change>, bool),
+    requests: &Requests,
+    free_flows: &FreeFlows,
+    watcher: &mut dyn Observer,
+) -> Result<(Outcome, Vec<Vec<GivenCommand>>), RunError> {
+    in_case(&case.key, || run(case, otherwise, requests, free_flows, watcher))
 }
 
 fn run(
     case: &Case,
+    (change, notes_commands): (Option<&Change>, bool),
     requests: &Requests,
     free_flows: &FreeFlows,
     watcher: &mut dyn Observer,
-) -> Result<Outcome, RunError> {
+) -> Result<(Outcome, Vec<Vec<GivenCommand>>), RunError> {
     let flows = free_flows.of(&case.world)?;
-    let mut run = RunningCase::start(case, requests, &flows)?;
+    let mut run = RunningCase::start(case, requests, &flows)?.otherwise(change, notes_commands);
     let fault = match run.go_on(watcher) {
         Ok(Progress::Ended(_)) => return Ok(run.outcome(case)),
         Ok(Progress::Waits) => {

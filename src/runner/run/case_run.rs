@@ -9,7 +9,9 @@ use super::name::shared;
 use results::{ByMetric, Critical, CutOff, Outcome, Requests};
 use scenario::{Case, World};
 use sim::measure::{FreeFlow, Measurement, Reading};
-use sim::{Course, Ending, Fault, Fingerprint, Observer, Progress, Snapshot, Step, StopReason};
+use sim::{
+    Change, Course, Ending, Fault, Fingerprint, GivenCommand, Observer, Progress, Snapshot, Step, StopReason,
+};
 
 /// A case under way, which waits wherever somebody outside decides.
 pub struct RunningCase {
@@ -44,6 +46,17 @@ impl RunningCase {
         Ok(Self { course: Course::start(case.world.clone(), users), seen, begun, ended: None })
     }
 
+    /// The same, in which something goes otherwise, if anything does, and of which commands are noted if they are wanted.
+    pub fn otherwise(mut self, change: Option<&Change>, notes_commands: bool) -> Self {
+        if let Some(change) = change {
+            self.course = self.course.changed(change.clone());
+        }
+        if notes_commands {
+            self.course = self.course.noting_commands();
+        }
+        self
+    }
+
     /// Goes on until somebody outside has to decide, or to the end; `watcher` sees every step and changes nothing.
     pub fn go_on(&mut self, watcher: &mut dyn Observer) -> Result<Progress, Fault> {
         let progress = self.course.next(&mut Both { seen: &mut self.seen, watcher })?;
@@ -62,19 +75,20 @@ impl RunningCase {
         &mut self.course
     }
 
-    /// What came of it.
+    /// What came of it, and what each vehicle was told if that was noted.
     ///
     /// # Panics
     /// If it has not come to its end.
-    pub fn outcome(self, case: &Case) -> Outcome {
-        let Self { seen, begun, ended, .. } = self;
+    pub fn outcome(self, case: &Case) -> (Outcome, Vec<Vec<GivenCommand>>) {
+        let Self { course, seen, begun, ended } = self;
+        let commands = course.into_commands();
         let ending = ended.expect("it has come to its end");
         let readings = seen.measurement.readings();
         let too_early = seen.last.as_ref().filter(|_| ending.reason != StopReason::Completed);
         let cut_off = too_early.map(|last| cut_off(&case.world, last, &seen.measurement, &readings));
         let pedestrians = names(case.world.pedestrians.iter().map(|one| &one.name));
         let vehicles = names(case.world.vehicles.iter().map(|car| &car.name));
-        Outcome {
+        let outcome = Outcome {
             key: case.key.clone(),
             seed: case.seed,
             individuals: case.individuals.clone(),
@@ -86,7 +100,8 @@ impl RunningCase {
             cut_off: cut_off.filter(|cut_off| *cut_off != CutOff::default()).map(Box::new),
             fingerprint: seen.fingerprint.value(),
             wall_time: begun.elapsed(),
-        }
+        };
+        (outcome, commands)
     }
 }
 

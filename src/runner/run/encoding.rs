@@ -88,10 +88,10 @@ impl Job {
     /// # Errors
     /// The first name that the registry does not have.
     pub fn resolved(self, registry: &Registry) -> Result<Self, UnknownEntry> {
-        let Self { place, case, measured, wanted, alone } = self;
+        let Self { place, case, measured, wanted, alone, change } = self;
         let requests = measured.requests.clone().resolved(registry)?;
         let case = case.resolved(registry)?;
-        Ok(Self { place, case, measured: MeasuredMetrics::new(requests), wanted, alone })
+        Ok(Self { place, case, measured: MeasuredMetrics::new(requests), wanted, alone, change })
     }
 }
 
@@ -178,6 +178,7 @@ mod tests {
             measured: measured.clone(),
             wanted,
             alone: false,
+            change: None,
         };
         plan(&suite).unwrap().trials().map(|trial| job(trial.cases.first())).collect()
     }

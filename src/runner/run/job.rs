@@ -5,12 +5,12 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::build::RunError;
-use super::case::{Unwatched, run_case};
+use super::case::{Unwatched, run_changed};
 use super::free_flow::FreeFlows;
 use super::panic::Panicked;
 use results::{Outcome, Requests};
 use scenario::{Case, DeclaredProgram};
-use sim::{Ending, Observer, Snapshot, Step, Timeline, TimelineEvent, Trace};
+use sim::{Change, Ending, GivenCommand, Observer, Snapshot, Step, Timeline, TimelineEvent, Trace};
 
 /// What is read off runs, with what runs from the same start share.
 #[derive(Debug, Default, Serialize, Deserialize)]
@@ -49,6 +49,8 @@ pub enum Wanted {
     Trace,
     /// And what happened.
     TraceAndEvents,
+    /// And what every vehicle was told.
+    Commands,
 }
 
 /// Where in its [`Round`](super::Round) a run belongs, to whoever asked for it.
@@ -74,6 +76,9 @@ pub struct Job {
     /// Whether programs decide in no other run at the same time, in a process that has not made this run.
     #[serde(default)]
     pub alone: bool,
+    /// What goes otherwise in it than the case has it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub change: Option<Box<Change>>,
 }
 
 /// What came of a job.
@@ -99,6 +104,9 @@ pub struct Ran {
     /// What programs decided, in the order of time.
     #[serde(default)]
     pub decisions: Vec<LoggedDecision>,
+    /// What each vehicle was told from time 0 on, where that was wanted.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub commands: Vec<Vec<GivenCommand>>,
 }
 
 /// What a program decided for a vehicle.
@@ -126,12 +134,13 @@ pub enum JobFailure {
 impl Job {
     /// Makes the run. The outcome is the same whatever else is wanted.
     pub fn run(self) -> Done {
-        let Self { place, case, measured, wanted, alone: _ } = self;
+        let Self { place, case, measured, wanted, alone: _, change } = self;
         let MeasuredMetrics { requests, free_flows } = &*measured;
         let mut watcher = Watcher::new(wanted, &case);
         let run = || {
-            let outcome = run_case(&case, requests, free_flows, &mut watcher)?;
-            Ok(watcher.ran(outcome))
+            let otherwise = (change.as_deref(), wanted == Wanted::Commands);
+            let (outcome, commands) = run_changed(&case, otherwise, requests, free_flows, &mut watcher)?;
+            Ok(Ran { commands, ..watcher.ran(outcome) })
         };
         let result = match Panicked::catch(run) {
             Ok(ran) => ran.map_err(JobFailure::Error),
@@ -196,21 +205,20 @@ impl Watcher {
         match wanted {
             Wanted::Outcome | Wanted::Decisions => Self::Nothing(Unwatched),
             Wanted::Trace => Self::Trace(Trace::default()),
-            Wanted::TraceAndEvents => Self::Both(Box::new(Timeline::new(&case.world)), Trace::default()),
+            Wanted::TraceAndEvents | Wanted::Commands => {
+                Self::Both(Box::new(Timeline::new(&case.world)), Trace::default())
+            }
         }
     }
 
     /// What was wanted of a run with that outcome.
     pub fn ran(self, outcome: Outcome) -> Ran {
-        match self {
-            Self::Nothing(_) => {
-                Ran { outcome, trace: Trace::default(), events: Vec::new(), decisions: Vec::new() }
-            }
-            Self::Trace(trace) => Ran { outcome, trace, events: Vec::new(), decisions: Vec::new() },
-            Self::Both(timeline, trace) => {
-                Ran { outcome, trace, events: timeline.into_events(), decisions: Vec::new() }
-            }
-        }
+        let (trace, events) = match self {
+            Self::Nothing(_) => Default::default(),
+            Self::Trace(trace) => (trace, Vec::new()),
+            Self::Both(timeline, trace) => (trace, timeline.into_events()),
+        };
+        Ran { outcome, trace, events, decisions: Vec::new(), commands: Vec::new() }
     }
 
     fn each(&mut self, tell: impl Fn(&mut dyn Observer)) {

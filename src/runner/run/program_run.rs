@@ -116,6 +116,11 @@ impl StageEnd {
     }
 }
 
+/// A run as its job wants it.
+fn otherwise(run: RunningCase, job: &Job) -> RunningCase {
+    run.otherwise(job.change.as_deref(), job.wanted == Wanted::Commands)
+}
+
 impl ProgramRun {
     /// Begins a run, or its free flow; one that another run drives already is waited for.
     pub fn begin(job: Job, processes: &AcquiredProcesses, flows: &HashSet<[u8; 32]>) -> Begun {
@@ -124,7 +129,7 @@ impl ProgramRun {
                 BegunFlow::Run(run) if flows.contains(&run.hash()) => Ok(None),
                 BegunFlow::Run(run) => Ok(Some(Stage::Flow(run))),
                 BegunFlow::Known(flows) => RunningCase::start(&job.case, &job.measured.requests, &flows)
-                    .map(|run| Some(Stage::Run(Box::new(run)))),
+                    .map(|run| Some(Stage::Run(Box::new(otherwise(run, &job))))),
             })
         });
         let stage = match begun {
@@ -340,9 +345,9 @@ impl ProgramRun {
                     std::mem::replace(&mut self.watcher, Watcher::new(self.job.wanted, &self.job.case));
                 let outcome = Panicked::catch(|| in_case(&self.job.case.key, || run.outcome(&self.job.case)));
                 match outcome {
-                    Ok(outcome) => {
+                    Ok((outcome, commands)) => {
                         let decisions = std::mem::take(&mut self.decisions);
-                        StageEnd::Ran(Box::new(Ran { decisions, ..watcher.ran(outcome) }))
+                        StageEnd::Ran(Box::new(Ran { decisions, commands, ..watcher.ran(outcome) }))
                     }
                     Err(panicked) => StageEnd::Failed("abandoned", JobFailure::Panicked(panicked)),
                 }
@@ -364,7 +369,7 @@ impl ProgramRun {
         });
         let failure = match started {
             Ok(Ok(run)) => {
-                self.stage = Stage::Run(Box::new(run));
+                self.stage = Stage::Run(Box::new(otherwise(run, &self.job)));
                 self.is_new = true;
                 let seed = self.job.case.seed;
                 let names: Vec<&str> =

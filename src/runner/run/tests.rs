@@ -71,7 +71,14 @@ impl Sequence for Counted<'_> {
     fn job(&mut self, place: JobPlace) -> Job {
         self.made.fetch_add(1, Ordering::Relaxed);
         let measured = MeasuredMetrics::new(Requests::default());
-        Job { place, case: case(place.run + 1), measured, wanted: Wanted::Outcome, alone: false }
+        Job {
+            place,
+            case: case(place.run + 1),
+            measured,
+            wanted: Wanted::Outcome,
+            alone: false,
+            change: None,
+        }
     }
 
     fn take(&mut self, done: Done) -> ControlFlow<()> {
@@ -202,6 +209,7 @@ impl Round for PlayedRound<'_> {
             trace: Trace::default(),
             events: Vec::new(),
             decisions: Vec::new(),
+            commands: Vec::new(),
         });
         self.round.done(Done { result, ..done });
     }

@@ -169,7 +169,7 @@ impl<'a> Runner<'a> {
     /// A run of a unit.
     pub(super) fn job(&self, place: JobPlace, case: Case, wanted: Wanted) -> Job {
         let wanted = if self.watch.is_some() { Wanted::Trace } else { wanted };
-        Job { place, case, measured: self.measured.clone(), wanted, alone: false }
+        Job { place, case, measured: self.measured.clone(), wanted, alone: false, change: None }
     }
 
     /// What is wrong with the run of a case, in the units of the scenario; if it had begun, with how to see it again.

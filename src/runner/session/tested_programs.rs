@@ -155,7 +155,14 @@ impl Sequence for Each {
 
     fn job(&mut self, place: JobPlace) -> Job {
         let case = self.first[place.run].case.clone();
-        Job { place, case, measured: self.measured.clone(), wanted: Wanted::Decisions, alone: true }
+        Job {
+            place,
+            case,
+            measured: self.measured.clone(),
+            wanted: Wanted::Decisions,
+            alone: true,
+            change: None,
+        }
     }
 
     fn take(&mut self, done: Done) -> ControlFlow<()> {
