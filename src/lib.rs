@@ -192,6 +192,11 @@ pub mod shrink {
     pub use runner::shrink::{Knob, KnobPlace, Move, ShrinkError, Shrunk, shrink, unmoved};
 }
 
+/// The story of a run, and what would have come of it had something gone otherwise.
+pub mod why {
+    pub use runner::why::story;
+}
+
 /// Controllers that are programs of users': who may start them, where their processes are, what was said to them, and whether they keep
 /// to the protocol.
 pub mod programs {

@@ -107,7 +107,7 @@ pub enum CameOf {
         because: String,
     },
     /// A run was made.
-    Run(OtherwiseRun),
+    Run(Box<OtherwiseRun>),
     /// Runs were made at several decelerations, the smallest first.
     Decelerations(Vec<TriedDeceleration>),
 }

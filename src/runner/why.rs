@@ -7,7 +7,7 @@ use results::{
     WhatIf,
 };
 use scenario::{Appearance, Case, Criterion};
-use sim::{Change, GivenCommand, Happening, Sample, TimelineEvent, Trace, brakes};
+use sim::{GivenCommand, Happening, RunChange, Sample, TimelineEvent, Trace, brakes};
 
 /// How much earlier a vehicle would have braked, s.
 const EARLIER: f64 = 0.5;
@@ -197,7 +197,7 @@ impl WhatIfs<'_> {
         };
         let (change, from) = brakes_earlier(self.commands, vehicle, braked, EARLIER, &self.story.outcome);
         let what = Otherwise::BrakesEarlier { vehicle: name, by: EARLIER, from: Some(from) };
-        Ok(WhatIf { what, came: CameOf::Run(self.run(&change)?) })
+        Ok(WhatIf { what, came: CameOf::Run(Box::new(self.run(&change)?)) })
     }
 
     fn harder(
@@ -221,7 +221,7 @@ impl WhatIfs<'_> {
         let tried = (1..=number).map(|number| {
             let deceleration = number as f64 * step;
             let run =
-                self.run(&Change::Decelerates { vehicle, from, deceleration, until_gone: pedestrian })?;
+                self.run(&RunChange::Decelerates { vehicle, from, deceleration, until_gone: pedestrian })?;
             Ok(TriedDeceleration { deceleration, run })
         });
         Ok(WhatIf { what, came: CameOf::Decelerations(tried.collect::<Result<_, BatchError>>()?) })
@@ -234,7 +234,7 @@ impl WhatIfs<'_> {
             Appearance::At(time) if time <= 0.0 => {
                 CameOf::DoesNotApply { because: format!("{} is there from the start", person.name) }
             }
-            _ => CameOf::Run(self.run(&Change::AppearsLater { pedestrian, by: LATER })?),
+            _ => CameOf::Run(Box::new(self.run(&RunChange::AppearsLater { pedestrian, by: LATER })?)),
         };
         Ok(WhatIf { what, came })
     }
@@ -243,17 +243,17 @@ impl WhatIfs<'_> {
         let came = match self.case.world.pedestrians.is_empty() {
             true => CameOf::DoesNotApply { because: "there are no pedestrians in it".to_string() },
             // What is asked of meetings has no value then.
-            false => CameOf::Run(self.run_where(&Change::NobodyAppears, false)?),
+            false => CameOf::Run(Box::new(self.run_where(&RunChange::NobodyAppears, false)?)),
         };
         Ok(WhatIf { what: Otherwise::NobodyAppears, came })
     }
 
-    fn run(&self, change: &Change) -> Result<OtherwiseRun, BatchError> {
+    fn run(&self, change: &RunChange) -> Result<OtherwiseRun, BatchError> {
         self.run_where(change, true)
     }
 
     /// What came of a change; `undefined` speaks against a criterion where that is so in the run itself.
-    fn run_where(&self, change: &Change, undefined: bool) -> Result<OtherwiseRun, BatchError> {
+    fn run_where(&self, change: &RunChange, undefined: bool) -> Result<OtherwiseRun, BatchError> {
         let requests = &self.batch.measured.requests;
         match self.batch.one_otherwise(self.case, Some(change), Wanted::TraceAndEvents) {
             Ok(ran) => {
@@ -291,10 +291,10 @@ fn brakes_earlier(
     braked: f64,
     by: f64,
     outcome: &Outcome,
-) -> (Change, f64) {
+) -> (RunChange, f64) {
     let commands = commands[vehicle].clone();
     let before = commands.iter().rev().skip_while(|one| one.time > braked + 1e-9);
     let began = before.take_while(|one| brakes(one.command)).last().map_or(braked, |one| one.time);
     let from = (began - by).max(0.0);
-    (Change::BrakesEarlier { vehicle, from, by, commands, until: outcome.ending.time }, from)
+    (RunChange::BrakesEarlier { vehicle, from, by, commands, until: outcome.ending.time }, from)
 }

@@ -10,7 +10,7 @@ pub(super) const TIME_TOLERANCE: f64 = 1e-9;
 /// What goes otherwise in a run than its world has it. Everybody reacts to it as they do, on the same noise.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Change {
+pub enum RunChange {
     /// From `from` (s) on a vehicle is told whichever brakes harder: what is decided for it, or what it was told `by` s later in
     /// another run.
     BrakesEarlier {
@@ -63,14 +63,14 @@ pub(super) struct Otherwise {
     /// What it was told, where that is wanted.
     pub given: Option<Vec<GivenCommand>>,
     /// What is otherwise, if anything is.
-    pub change: Option<Change>,
+    pub change: Option<RunChange>,
 }
 
 impl Otherwise {
     /// What the vehicle is told at `time` (s), where `decided` was decided.
     pub fn command(&mut self, time: f64, decided: Command) -> Command {
         let command = match &self.change {
-            Some(Change::BrakesEarlier { from, by, commands, until, .. })
+            Some(RunChange::BrakesEarlier { from, by, commands, until, .. })
                 if time >= from - TIME_TOLERANCE && time + by < until - TIME_TOLERANCE =>
             {
                 let after = commands.partition_point(|one| one.time <= time + by + TIME_TOLERANCE);
@@ -86,7 +86,7 @@ impl Otherwise {
 
     /// Takes speed from a vehicle that `before` moved as said at `time` (s), and `duration` (s) later does as `after` says.
     pub fn hold_back(&self, time: f64, duration: f64, before: &Longitudinal, after: &mut Longitudinal) {
-        let Some(Change::Decelerates { from, deceleration, .. }) = self.change else { return };
+        let Some(RunChange::Decelerates { from, deceleration, .. }) = self.change else { return };
         let most = (before.speed - deceleration * duration).max(0.0);
         if time < from - TIME_TOLERANCE || duration <= 0.0 || after.speed <= most {
             return;
@@ -135,12 +135,12 @@ pub(super) struct Postponed {
 
 impl Postponed {
     /// Of so many people; `None` where nobody comes later.
-    pub fn new(change: &Change, people: usize) -> Option<Self> {
+    pub fn new(change: &RunChange, people: usize) -> Option<Self> {
         let mut by = vec![0.0; people];
         match change {
-            Change::AppearsLater { pedestrian, by: later } => by[*pedestrian] = *later,
-            Change::NobodyAppears => by.fill(f64::INFINITY),
-            Change::BrakesEarlier { .. } | Change::Decelerates { .. } => return None,
+            RunChange::AppearsLater { pedestrian, by: later } => by[*pedestrian] = *later,
+            RunChange::NobodyAppears => by.fill(f64::INFINITY),
+            RunChange::BrakesEarlier { .. } | RunChange::Decelerates { .. } => return None,
         }
         Some(Self { by, due: vec![None; people] })
     }
@@ -169,7 +169,7 @@ mod tests {
     fn decelerates(deceleration: f64) -> Otherwise {
         Otherwise {
             given: None,
-            change: Some(Change::Decelerates { vehicle: 0, from: 1.0, deceleration, until_gone: None }),
+            change: Some(RunChange::Decelerates { vehicle: 0, from: 1.0, deceleration, until_gone: None }),
         }
     }
 
@@ -202,7 +202,7 @@ mod tests {
         );
         let mut earlier = Otherwise {
             given: Some(Vec::new()),
-            change: Some(Change::BrakesEarlier {
+            change: Some(RunChange::BrakesEarlier {
                 vehicle: 0,
                 from: 1.0,
                 by: 0.5,
@@ -219,14 +219,14 @@ mod tests {
 
     #[test]
     fn who_comes_later_comes_once_and_who_never_comes_does_not() {
-        let mut later = Postponed::new(&Change::AppearsLater { pedestrian: 1, by: 0.2 }, 2).unwrap();
+        let mut later = Postponed::new(&RunChange::AppearsLater { pedestrian: 1, by: 0.2 }, 2).unwrap();
         assert!(later.appears(0, 1.0, true, &mut 0.0), "the others come when they do");
         let mut late = 0.01;
         assert!(!later.appears(1, 1.0, true, &mut late));
         late = 0.0;
         assert!(!later.appears(1, 1.1, false, &mut late));
         assert!(later.appears(1, 1.2, false, &mut late) && late == 0.01);
-        let mut never = Postponed::new(&Change::NobodyAppears, 1).unwrap();
+        let mut never = Postponed::new(&RunChange::NobodyAppears, 1).unwrap();
         assert!(!never.appears(0, 1e9, true, &mut 0.0) && never.never(0));
     }
 }

@@ -6,7 +6,7 @@ use nalgebra::Vector2;
 use thiserror::Error;
 
 use super::abreast::Abreast;
-use super::change::{Change, GivenCommand, Otherwise, Postponed, TIME_TOLERANCE};
+use super::change::{GivenCommand, Otherwise, Postponed, RunChange, TIME_TOLERANCE};
 use super::contact::Contacts;
 use super::control::Control;
 use super::keep_clear::KeepClear;
@@ -216,12 +216,12 @@ impl Course {
 
     /// The same run, in which something goes otherwise. To be said before it goes on.
     #[must_use]
-    pub fn changed(mut self, change: Change) -> Self {
+    pub fn changed(mut self, change: RunChange) -> Self {
         self.postponed = Postponed::new(&change, self.world.pedestrians.len());
-        if let Change::Decelerates { vehicle, until_gone: Some(pedestrian), .. } = change {
+        if let RunChange::Decelerates { vehicle, until_gone: Some(pedestrian), .. } = change {
             self.held_back = Some((vehicle, pedestrian));
         }
-        if let Change::BrakesEarlier { vehicle, .. } | Change::Decelerates { vehicle, .. } = change {
+        if let RunChange::BrakesEarlier { vehicle, .. } | RunChange::Decelerates { vehicle, .. } = change {
             self.otherwise(vehicle).change = Some(change);
         }
         self

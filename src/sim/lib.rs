@@ -49,7 +49,7 @@ mod wait_for_green;
 mod way;
 
 pub use abreast::Abreast;
-pub use change::{Change, GivenCommand, brakes};
+pub use change::{GivenCommand, RunChange, brakes};
 pub use contact::{Contacts, Touch};
 pub use course::{
     Course, Fault, Progress, has_arrived, has_crossed, longest_run, meeting_place, simulate, walking_time,

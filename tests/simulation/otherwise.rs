@@ -10,7 +10,7 @@ use runner::plan::plan;
 use runner::run::{MeasuredMetrics, Ran, RunBatch, Serialised, Shuffled, Stop, Threads, Wanted};
 use runner::why::story;
 use scenario::{Case, Criterion, Suite};
-use sim::Change;
+use sim::RunChange;
 
 fn measured(suite: &Suite) -> Arc<MeasuredMetrics> {
     let mut requests = Requests::defaults(&standard());
@@ -61,20 +61,25 @@ fn a_change_of_nothing_changes_no_bit() {
             let plain = batch.one(&case, Wanted::Outcome).unwrap().outcome;
             let Ran { outcome, commands, .. } = batch.one(&case, Wanted::Commands).unwrap();
             assert_eq!(timeless(&outcome), timeless(&plain), "noting commands changes nothing: {}", case.key);
-            let same = |change: Change| {
+            let same = |change: RunChange| {
                 let ran = batch.one_otherwise(&case, Some(&change), Wanted::Outcome).unwrap();
                 assert_eq!(timeless(&ran.outcome), timeless(&plain), "{} {change:?}", case.key);
             };
             for pedestrian in 0..case.world.pedestrians.len() {
                 people += 1;
-                same(Change::AppearsLater { pedestrian, by: 0.0 });
+                same(RunChange::AppearsLater { pedestrian, by: 0.0 });
             }
             for (vehicle, commands) in commands.into_iter().enumerate() {
                 braked += usize::from(commands.iter().any(|one| sim::brakes(one.command)));
                 let until = plain.ending.time;
-                same(Change::BrakesEarlier { vehicle, from: 0.0, by: 0.0, commands, until });
+                same(RunChange::BrakesEarlier { vehicle, from: 0.0, by: 0.0, commands, until });
                 // Later than the run.
-                same(Change::Decelerates { vehicle, from: until + 1.0, deceleration: 9.0, until_gone: None });
+                same(RunChange::Decelerates {
+                    vehicle,
+                    from: until + 1.0,
+                    deceleration: 9.0,
+                    until_gone: None,
+                });
             }
         }
     }
@@ -130,13 +135,13 @@ fn the_deceleration_that_is_enough_is_that_of_the_way_that_is_left() {
 /// Somebody later is somebody whose file says so.
 #[test]
 fn who_comes_later_is_who_appears_later_in_a_file() {
-    let outcome = |text: &str, change: Option<Change>| {
+    let outcome = |text: &str, change: Option<RunChange>| {
         let (suite, case, _) = written(text);
         let (measured, stop, threads) = (measured(&suite), Stop::default(), Threads::new(1));
         let batch = RunBatch { executor: &threads, measured: &measured, stop: &stop };
         batch.one_otherwise(&case, change.as_ref(), Wanted::Outcome).unwrap().outcome
     };
-    let change = Change::AppearsLater { pedestrian: 0, by: 0.2 };
+    let change = RunChange::AppearsLater { pedestrian: 0, by: 0.2 };
     let later = outcome(STANDS, Some(change.clone()));
     assert_eq!(later.fingerprint, outcome(&STANDS.replace("at 1 s", "at 1.2 s"), None).fingerprint);
     assert_ne!(later.fingerprint, outcome(STANDS, None).fingerprint);
@@ -145,10 +150,10 @@ fn who_comes_later_is_who_appears_later_in_a_file() {
         |time: &str| STANDS.replace("appears at 1 s", &format!("appears when time_to_arrival(av) = {time}"));
     let later = outcome(&waits("3 s"), Some(change));
     assert_eq!(later.fingerprint, outcome(&waits("2.8 s"), None).fingerprint);
-    let nobody = outcome(STANDS, Some(Change::NobodyAppears));
+    let nobody = outcome(STANDS, Some(RunChange::NobodyAppears));
     assert_eq!(
         nobody.fingerprint,
-        outcome(&STANDS.replace("at 1 s", "at 59 s"), Some(Change::NobodyAppears)).fingerprint
+        outcome(&STANDS.replace("at 1 s", "at 59 s"), Some(RunChange::NobodyAppears)).fingerprint
     );
 }
 
@@ -172,7 +177,7 @@ fn who_brakes_earlier_is_slower_at_every_moment() {
     assert!(run.contact.is_none_or(|earlier| earlier < contact - 0.5), "{:?} {contact}", run.contact);
     // Its own speed falls so much earlier, no more and no less.
     let first = batch.one(&case, Wanted::Commands).unwrap();
-    let change = Change::BrakesEarlier {
+    let change = RunChange::BrakesEarlier {
         vehicle: 0,
         from: *from,
         by: *by,

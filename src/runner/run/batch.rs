@@ -14,7 +14,7 @@ use super::sequence::{Sequence, Sequences, run_sequences};
 use super::stop::Stop;
 use results::Outcome;
 use scenario::Case;
-use sim::Change;
+use sim::RunChange;
 
 /// Why there are no outcomes.
 #[derive(Debug, Error)]
@@ -74,7 +74,7 @@ impl RunBatch<'_> {
 
     fn made_otherwise(
         self,
-        change: Option<&Change>,
+        change: Option<&RunChange>,
         runs: usize,
         wanted: impl FnMut(usize, &Case) -> Wanted + Send,
         case: impl FnMut(usize) -> Case + Send,
@@ -166,7 +166,7 @@ impl RunBatch<'_> {
     pub fn one_otherwise(
         self,
         case: &Case,
-        change: Option<&Change>,
+        change: Option<&RunChange>,
         wanted: Wanted,
     ) -> Result<Ran, BatchError> {
         let mut result = None;
@@ -182,7 +182,7 @@ struct One<'b, W, C, T> {
     case: C,
     take: T,
     measured: &'b Arc<MeasuredMetrics>,
-    change: Option<&'b Change>,
+    change: Option<&'b RunChange>,
     failed: Option<(String, JobFailure)>,
 }
 

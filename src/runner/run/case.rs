@@ -6,7 +6,7 @@ use super::free_flow::FreeFlows;
 use super::panic::in_case;
 use results::{Outcome, Requests};
 use scenario::Case;
-use sim::{Change, GivenCommand, Observer, Progress, Step};
+use sim::{GivenCommand, Observer, Progress, RunChange, Step};
 
 /// Runs one case and reads the requested metrics off it. `watcher` sees every step and changes nothing.
 ///
@@ -26,7 +26,7 @@ pub fn run_case(
 /// As [`run_case`], where something goes otherwise or commands are noted; with what each vehicle was told if they are.
 pub(super) fn run_changed(
     case: &Case,
-    otherwise: (Option<&Change>, bool),
+    otherwise: (Option<&RunChange>, bool),
     requests: &Requests,
     free_flows: &FreeFlows,
     watcher: &mut dyn Observer,
@@ -36,7 +36,7 @@ pub(super) fn run_changed(
 
 fn run(
     case: &Case,
-    (change, notes_commands): (Option<&Change>, bool),
+    (change, notes_commands): (Option<&RunChange>, bool),
     requests: &Requests,
     free_flows: &FreeFlows,
     watcher: &mut dyn Observer,

@@ -10,7 +10,8 @@ use results::{ByMetric, Critical, CutOff, Outcome, Requests};
 use scenario::{Case, World};
 use sim::measure::{FreeFlow, Measurement, Reading};
 use sim::{
-    Change, Course, Ending, Fault, Fingerprint, GivenCommand, Observer, Progress, Snapshot, Step, StopReason,
+    Course, Ending, Fault, Fingerprint, GivenCommand, Observer, Progress, RunChange, Snapshot, Step,
+    StopReason,
 };
 
 /// A case under way, which waits wherever somebody outside decides.
@@ -47,7 +48,7 @@ impl RunningCase {
     }
 
     /// The same, in which something goes otherwise, if anything does, and of which commands are noted if they are wanted.
-    pub fn otherwise(mut self, change: Option<&Change>, notes_commands: bool) -> Self {
+    pub fn otherwise(mut self, change: Option<&RunChange>, notes_commands: bool) -> Self {
         if let Some(change) = change {
             self.course = self.course.changed(change.clone());
         }

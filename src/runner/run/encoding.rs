@@ -289,15 +289,15 @@ mod tests {
 
     #[test]
     fn what_no_registry_has_is_refused() {
-        type Change = fn(&mut Case);
+        type RunChange = fn(&mut Case);
         let unknown =
             |kind, name: &str| Err(DecodingError::Unknown(UnknownEntry { kind, name: name.into() }));
-        let refused = |change: Change| {
+        let refused = |change: RunChange| {
             let mut job = job();
             change(&mut job.case);
             Job::from_bytes(&job.to_bytes(), &standard()).map(|_| ())
         };
-        let names: [(EntryKind, Change); 3] = [
+        let names: [(EntryKind, RunChange); 3] = [
             (EntryKind::Controller, |case| vehicle(case).controller.model = Reference::unresolved("gone")),
             (EntryKind::VehicleDynamics, |case| vehicle(case).dynamics.model = Reference::unresolved("gone")),
             (EntryKind::PedestrianModel, |case| {

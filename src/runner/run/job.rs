@@ -10,7 +10,7 @@ use super::free_flow::FreeFlows;
 use super::panic::Panicked;
 use results::{Outcome, Requests};
 use scenario::{Case, DeclaredProgram};
-use sim::{Change, Ending, GivenCommand, Observer, Snapshot, Step, Timeline, TimelineEvent, Trace};
+use sim::{Ending, GivenCommand, Observer, RunChange, Snapshot, Step, Timeline, TimelineEvent, Trace};
 
 /// What is read off runs, with what runs from the same start share.
 #[derive(Debug, Default, Serialize, Deserialize)]
@@ -78,7 +78,7 @@ pub struct Job {
     pub alone: bool,
     /// What goes otherwise in it than the case has it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub change: Option<Box<Change>>,
+    pub change: Option<Box<RunChange>>,
 }
 
 /// What came of a job.
