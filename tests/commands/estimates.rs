@@ -30,6 +30,17 @@ fn folder(text: &str) -> tempfile::TempDir {
     folder
 }
 
+/// What is written has the names that the published schema knows, and all that it requires.
+fn assert_published(definition: &str, written: &Value) {
+    let schema: Value = serde_json::from_str(include_str!("../../docs/results.schema.json")).unwrap();
+    let known = &schema["$defs"][definition];
+    let (written, properties) = (written.as_object().unwrap(), known["properties"].as_object().unwrap());
+    let unknown: Vec<_> = written.keys().filter(|name| !properties.contains_key(*name)).collect();
+    let required = known["required"].as_array().unwrap().iter().map(|name| name.as_str().unwrap());
+    let missing: Vec<_> = required.filter(|name| !written.contains_key(*name)).collect();
+    assert!(unknown.is_empty() && missing.is_empty(), "{definition}: {unknown:?} {missing:?}");
+}
+
 #[test]
 fn an_estimate_is_told_in_all_reports_and_its_runs_are_replayed() {
     let folder = folder(WALK);
@@ -44,6 +55,7 @@ fn an_estimate_is_told_in_all_reports_and_its_runs_are_replayed() {
     let estimate = &block["result"]["estimate"];
     assert!((estimate["value"].as_f64().unwrap() / 3.46e-6 - 1.0).abs() < 0.15, "{estimate}");
     assert_eq!(estimate["nominal_runs"], 300);
+    assert_published("estimateResult", estimate);
     let junit = read("r.xml");
     assert!(junit.matches("estimate=hit").count() >= 1 && junit.contains("guaranteed"), "{junit}");
     let html = read("r.html");
@@ -83,6 +95,8 @@ fn two_in_the_same_encounters_are_told_and_their_runs_are_replayed() {
     let read = |name: &str| fs::read_to_string(path.join(name)).unwrap();
     let results: Value = serde_json::from_str(&read("r.json")).unwrap();
     let compared = &results["suites"][0]["blocks"][0]["result"]["estimate"]["compared"];
+    assert_published("estimateResult", &results["suites"][0]["blocks"][0]["result"]["estimate"]);
+    assert_published("comparedEstimate", compared);
     assert_eq!(compared["differs"], serde_json::json!(["av.length: 5 m -> 4 m"]));
     assert!(
         read("r.xml").contains("name=\"ratio_estimate\"") && read("r.xml").contains("name=\"compared_with\"")
