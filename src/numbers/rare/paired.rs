@@ -151,32 +151,34 @@ impl PairedRareEstimate {
 
     /// Where the ratio lies at this two-sided confidence (0..1), if nothing speaks against it.
     pub fn ratio_interval(&self, confidence: f64) -> Interval {
-        let each = 0.5 + confidence / 2.0;
-        Interval { low: self.ratio_lower(each), high: self.ratio_upper(each) }
+        self.ratio_ends(0.5 + confidence / 2.0)
     }
 
     /// The ratio is at most this, at one-sided `confidence`; infinite where the second may be as rare as nothing.
     pub fn ratio_upper(&self, confidence: f64) -> f64 {
-        if self.either.scale == RareScale::Exact {
-            return self.guaranteed_ratio(confidence).high;
-        }
-        if self.has_many() {
-            return self.fieller(confidence).high;
-        }
-        let each = 0.5 + confidence / 2.0;
-        (1.0 - self.share_lower(&self.only_second, each)) / (1.0 - self.share_upper(&self.only_first, each))
+        self.ratio_ends(confidence).high
     }
 
     /// The ratio is at least this, at one-sided `confidence`.
     pub fn ratio_lower(&self, confidence: f64) -> f64 {
+        self.ratio_ends(confidence).low
+    }
+
+    /// At one-sided `confidence` at each end.
+    fn ratio_ends(&self, confidence: f64) -> Interval {
         if self.either.scale == RareScale::Exact {
-            return self.guaranteed_ratio(confidence).low;
+            return self.guaranteed_ratio(confidence);
         }
         if self.has_many() {
-            return self.fieller(confidence).low;
+            return self.fieller(confidence);
         }
         let each = 0.5 + confidence / 2.0;
-        (1.0 - self.share_upper(&self.only_second, each)) / (1.0 - self.share_lower(&self.only_first, each))
+        let (upper, lower) = (|part| self.share_upper(part, each), |part| self.share_lower(part, each));
+        let (first, second) = (&self.only_first, &self.only_second);
+        Interval {
+            low: (1.0 - upper(second)) / (1.0 - lower(first)),
+            high: (1.0 - lower(second)) / (1.0 - upper(first)),
+        }
     }
 
     /// Ratios ρ with which the mean of first − ρ · second over the replicates is less than Student's distance from 0, at one-sided
