@@ -142,6 +142,19 @@ fn what_was_not_seen_to_its_end_is_not_passed() {
     }
 }
 
+/// Where the event is most runs have it, and are over: what is drawn was still not seen to its end.
+#[test]
+fn what_is_drawn_and_was_not_seen_to_its_end_is_not_passed_either() {
+    // By 6.2 s everybody who is hit was; the car that hits nobody has still to come.
+    let cut = text(75.0, &format!("{BLOCK}; claim <= 10 %; claim guaranteed <= 10 %"))
+        .replace("horizon 15 s", "horizon 6.2 s");
+    let result = estimated(&cut);
+    let counted = result.runs - result.pilot_runs;
+    assert!(result.cut_off > 0 && 2 * result.cut_off < counted, "{} of {counted}", result.cut_off);
+    assert!(result.claims.iter().all(|one| one.verdict == Verdict::Inconclusive), "{:?}", result.claims);
+    assert!(result.failure().unwrap().contains("that are drawn as they are"), "{:?}", result.failure());
+}
+
 #[test]
 fn who_makes_the_runs_changes_nothing() {
     for block in [BLOCK, "event collision; score pet; budget 2000 runs, by splitting"] {

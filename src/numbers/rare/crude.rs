@@ -62,10 +62,12 @@ impl RareSampling for CrudeSampling {
                 point,
             })
             .collect();
+        let first = self.done;
         self.done += outcomes.len();
         self.replicates.push(ReplicateRuns {
             probability: hits.len() as f64 / outcomes.len() as f64,
             runs: outcomes.len(),
+            first,
             nominal_runs: outcomes.len() as u64,
             nominal_hits: hits.iter().map(|hit| hit.run).collect(),
             hits,

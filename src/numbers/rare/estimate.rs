@@ -31,7 +31,9 @@ pub struct ReplicateRuns {
     pub probability: f64,
     /// How many runs were made for it.
     pub runs: usize,
-    /// How many of its runs are drawn as without a method, chosen before anything is known of them.
+    /// The number of its first run.
+    pub first: usize,
+    /// How many of its runs, the first ones, are drawn as without a method, chosen before anything is known of them.
     pub nominal_runs: u64,
     /// The numbers of those of them that have the event.
     pub nominal_hits: Vec<usize>,
@@ -48,6 +50,7 @@ impl ReplicateRuns {
         Self {
             probability: sum / self.runs.max(1) as f64,
             runs: self.runs,
+            first: self.first,
             nominal_runs: self.nominal_runs,
             nominal_hits: self.nominal_hits.iter().copied().filter(|run| has(*run)).collect(),
             hits,

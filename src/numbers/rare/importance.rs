@@ -140,6 +140,7 @@ impl RareSampling for ImportanceSampling {
         self.replicates.push(ReplicateRuns {
             probability: hits.iter().map(|hit| hit.weight).sum::<f64>() / runs as f64,
             runs,
+            first,
             nominal_runs,
             nominal_hits,
             hits,

@@ -288,7 +288,14 @@ impl SplittingSampling {
         }
         let probability = if hits.is_empty() { 0.0 } else { self.share };
         let (nominal_runs, nominal_hits) = (self.nominal_runs, std::mem::take(&mut self.nominal_hits));
-        self.replicates.push(ReplicateRuns { probability, runs, nominal_runs, nominal_hits, hits });
+        self.replicates.push(ReplicateRuns {
+            probability,
+            runs,
+            first: self.first,
+            nominal_runs,
+            nominal_hits,
+            hits,
+        });
         self.begin_replicate();
     }
 }

@@ -313,6 +313,7 @@ fn hits_of_one_lineage_are_no_many_hits() {
         .map(|replicate| ReplicateRuns {
             probability: if replicate < 3 { 50.0 * 1e-4 / 1000.0 } else { 0.0 },
             runs: 1000,
+            first: 0,
             nominal_runs: 200,
             nominal_hits: Vec::new(),
             hits: if replicate < 3 { (0..50).map(|run| hit(run, 7)).collect() } else { Vec::new() },

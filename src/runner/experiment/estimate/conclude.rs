@@ -37,9 +37,8 @@ pub fn conclude(
         |(share, index): &(f64, usize)| Ok(EstimatedCluster { share: *share, run: hits.run(*index, cases)? });
     let clusters: Vec<EstimatedCluster> =
         seen.take(MOST_RUNS).map(cluster).collect::<Result<_, ExperimentError>>()?;
-    let nothing_seen = told.nothing_seen(told.cut_off, &block.scenario);
-    let nothing_seen_there =
-        block.compared_with.as_ref().and_then(|with| told.nothing_seen(told.cut_off_others, with));
+    let nothing_seen = sampled.nothing_seen(0, &block.scenario);
+    let nothing_seen_there = block.compared_with.as_ref().and_then(|with| sampled.nothing_seen(1, with));
     let refusals = estimate.refusals.iter().map(|one| in_words(one, &estimate));
     let refusals: Vec<String> = refusals.chain(nothing_seen.clone()).collect();
     let exposure = block.exposure.as_ref();

@@ -23,6 +23,8 @@ const MOST_CUT_OFF: f64 = 0.5;
 pub struct Told {
     /// Which of two had the event, by the numbers of their runs.
     events: Vec<PairedEvent>,
+    /// Which runs of both were not seen to their end, by the same numbers.
+    not_seen: Vec<[bool; 2]>,
     pub pilot: usize,
     pub undecided: usize,
     pub cut_off: usize,
@@ -33,6 +35,8 @@ pub struct Told {
 impl Told {
     pub fn add(&mut self, is_pilot: bool, seen: &[ScoredEncounter]) {
         self.events.extend(seen.iter().map(|one| one.event()));
+        let other = |one: &ScoredEncounter| one.other.is_some_and(|other| other.cut_off);
+        self.not_seen.extend(seen.iter().map(|one| [one.own.cut_off, other(one)]));
         if is_pilot {
             self.pilot += seen.len();
         } else {
@@ -47,16 +51,6 @@ impl Told {
     /// How many there were.
     pub fn encounters(&self) -> usize {
         self.events.len()
-    }
-
-    /// Why nothing that is claimed is shown, whatever the numbers are: most runs of the scenario were not seen to their end.
-    pub fn nothing_seen(&self, cut_off: usize, scenario: &str) -> Option<String> {
-        let counted = self.encounters() - self.pilot;
-        (cut_off as f64 > MOST_CUT_OFF * counted as f64).then(|| {
-            format!(
-                "{cut_off} of {counted} runs of `{scenario}` ended before the end of what the event is about was seen: raise its `horizon`"
-            )
-        })
     }
 }
 
@@ -89,6 +83,28 @@ impl Sampled<'_> {
         let so_far = RareEstimate::of(self.space, &self.own_replicates(), self.scale);
         let interval = so_far.interval(CONFIDENCE);
         Some((so_far.value, (interval.low, interval.high)))
+    }
+
+    /// Why nothing that is claimed is shown, whatever the numbers are: most runs of a scenario (0: the estimate's own, 1: the other) were
+    /// not seen to their end, of those that count or of those that are drawn as they are. A method makes most where the event is.
+    pub fn nothing_seen(&self, which: usize, scenario: &str) -> Option<String> {
+        let told = self.told;
+        let counted = told.pilot..told.encounters();
+        let nominal =
+            self.method.replicates().iter().map(|one| one.first..one.first + one.nominal_runs as usize);
+        let share = |runs: &mut dyn Iterator<Item = usize>| {
+            runs.fold((0, 0), |(cut_off, of), run| (cut_off + usize::from(told.not_seen[run][which]), of + 1))
+        };
+        let kinds = [
+            ("", share(&mut counted.into_iter())),
+            (" that are drawn as they are", share(&mut nominal.flatten())),
+        ];
+        let most = kinds.into_iter().find(|(_, (cut_off, of))| *cut_off as f64 > MOST_CUT_OFF * *of as f64);
+        most.map(|(kind, (cut_off, of))| {
+            format!(
+                "{cut_off} of {of} runs of `{scenario}`{kind} ended before the end of what the event is about was seen: raise its `horizon`"
+            )
+        })
     }
 
     /// Which of two had the event in the run of that number.
