@@ -66,8 +66,10 @@ impl Families {
                 let check = &mut checks[*index];
                 let own = check.p_value.unwrap_or(1.0);
                 let exchanged = by_itself(&measured[*index], exchanged[*index]).unwrap_or(own);
-                // As many comparisons as that adjustment took it for, for a p-value that is more careful than exchanging is.
-                let careful = own * (adjusted / exchanged).max(1.0);
+                // As many comparisons as that adjustment took it for, for a p-value that is more careful than exchanging is: never more than
+                // there are. Of what is far smaller than can be told by exchanging, the quotient says nothing.
+                let taken_for = (adjusted / exchanged).clamp(1.0, exchangeable.len() as f64);
+                let careful = own * taken_for;
                 check.adjusted_p_value = Some((adjusted.max(careful) * self.kinds() as f64).min(1.0));
             }
             for (index, adjusted) in others.iter().zip(of_others) {

@@ -121,3 +121,31 @@ fn metrics_that_depend_on_each_other_raise_no_more_false_alarms_than_stated() {
     let alarms = alarms.count();
     assert!((1..=11).contains(&alarms), "{alarms}");
 }
+
+/// Changed runs that are all worse are a regression from some number of them on, however many they are, alone and beside others that are
+/// adjusted with them.
+#[test]
+fn the_more_runs_got_worse_the_surer_it_is() {
+    let trials = [trial("walk/tta=6s", 200)];
+    let metrics = ["collision", "pet", "min_distance"];
+    let hit = |many: usize, seed: u64| Baseline {
+        seed,
+        ..baseline(&metrics, &trials, move |metric, _, run| {
+            Some(if metric == "collision" { f64::from(run < many) } else { around(run, 3) })
+        })
+    };
+    let alone = vec![named("collision", Tolerance::Relative(0.0))];
+    let primary = vec![GateRule { primary: true, ..alone[0].clone() }, blanket_rule(0.0, 0.95)];
+    let beside = vec![alone[0].clone(), blanket_rule(0.0, 0.95)];
+    for rules in [alone, primary, beside] {
+        let adjusted = |many: usize| {
+            let verdict = judge(&rules, &hit(0, 1), &hit(many, 2));
+            let check = outcome(&verdict, "collision", ComparedSubject::Rate);
+            assert_eq!(check.outcome == CheckOutcome::Regressed, verdict.verdict == Verdict::Failed);
+            check.adjusted_p_value.unwrap()
+        };
+        let all: Vec<f64> = [4, 8, 12, 16, 24, 40, 80, 160, 200].map(adjusted).to_vec();
+        assert!(all.windows(2).all(|two| two[1] <= two[0].max(0.001)), "{all:?}");
+        assert!(all[2..].iter().all(|p| *p <= 0.025), "{all:?}");
+    }
+}
