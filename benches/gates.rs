@@ -3,12 +3,14 @@
 //! `docs/gates.md`.
 
 use std::path::Path;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use files::{Disk, Memory};
 use models::standard;
 use numbers::random::Stream;
 use results::judge::baseline::Baseline;
-use results::judge::gate::{blanket_rule, judge_gate};
+use results::judge::gate::{ALONG_THE_WAY, Rounds, blanket_rule, judge_gate, look_at};
 use results::{Check, CheckOutcome, ComparedSubject, GateVerdict, Requests, Verdict};
 use runner::baseline::record;
 use runner::plan::plan;
@@ -64,60 +66,143 @@ const THOUSAND: &str = "suite thousand {
 }
 ";
 
+/// Pairs of runs on different seeds.
+const PAIRS: u64 = 400;
+
+/// What pairs of such runs came to at a gate.
+#[derive(Debug, Clone, Copy, Default)]
+struct Counts {
+    alarms: u64,
+    seen: u64,
+    /// As Holm's correction would have it.
+    by_holm: u64,
+    /// Of the gate as a sequential one.
+    sequential_alarms: u64,
+    sequential_seen: u64,
+    /// Pairs in which a rise to 5 % ended it before its end, and how many runs those took.
+    ended: u64,
+    runs: usize,
+}
+
 /// How often gates fail by chance, and how often for a rise of collisions from 0 to 1 %: pairs of that suite on different seeds.
-/// Collisions are flags that are set by lot in 1 % of the candidate's runs, whatever else happened in them.
+/// Collisions are flags that are set by lot in 1 % of the candidate's runs, or in 5 %, whatever else happened in them.
 fn by_chance() {
-    const PAIRS: u64 = 400;
     let files = Memory::default().with("thousand.suite", THOUSAND);
     let found = lang::load(Path::new("thousand.suite"), &standard(), &files);
     let suite = found.unwrap_or_else(|_| panic!("it is a suite")).suite;
-    let seeded = |seed| runs(&Suite { seed, ..suite.clone() });
-    println!("\n{PAIRS} pairs of other seeds of a suite of {} runs:", seeded(1).runs());
-    let mut counts = vec![[0; 3]; suite.gates.len()];
-    let mut collisions = 0.0;
-    for pair in 0..PAIRS {
-        let (base, candidate) = (seeded(2 * pair + 1), seeded(2 * pair + 2));
-        let column = base.metrics.iter().position(|one| one.label == "collision").expect("it is measured");
-        let flags = |side: &Baseline| {
-            side.trials.iter().flat_map(|trial| trial.values[column].clone()).flatten().sum::<f64>()
-        };
-        collisions += flags(&base) + flags(&candidate);
+    let next = AtomicU64::new(0);
+    let counts = Mutex::new((0, vec![Counts::default(); suite.gates.len()]));
+    println!("\n{PAIRS} pairs of other seeds of a suite of 1,000 runs:");
+    let work = || {
+        loop {
+            let pair = next.fetch_add(1, Ordering::Relaxed);
+            if pair >= PAIRS {
+                return;
+            }
+            let own: Vec<Counts> = one_pair(&suite, pair);
+            let (done, counts) = &mut *counts.lock().expect("no thread panics");
+            *done += 1;
+            for (all, own) in counts.iter_mut().zip(own) {
+                all.add(own);
+            }
+            if *done % 20 == 0 {
+                println!("  after {done} pairs:");
+                suite.gates.iter().zip(&*counts).for_each(|(gate, counts)| counts.print(gate, *done));
+            }
+        }
+    };
+    std::thread::scope(|scope| {
+        let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        (0..threads).for_each(|_| _ = scope.spawn(work));
+    });
+}
+
+fn one_pair(suite: &Suite, pair: u64) -> Vec<Counts> {
+    let seeded = |seed| runs_on(&Suite { seed, ..suite.clone() }, &Threads::new(1));
+    let (base, candidate) = (seeded(2 * pair + 1), seeded(2 * pair + 2));
+    let column = base.metrics.iter().position(|one| one.label == "collision").expect("it is measured");
+    let hit_in = |share: f64| {
         let mut hit = candidate.clone();
         let mut lot = Stream::seeded(pair);
         for value in hit.trials.iter_mut().flat_map(|trial| &mut trial.values[column]) {
-            if lot.uniform() < 0.01 {
+            if lot.uniform() < share {
                 *value = Some(1.0);
             }
         }
-        for (gate, counts) in suite.gates.iter().zip(&mut counts) {
-            let verdict = judge(gate, &base, &candidate);
-            counts[0] += u64::from(verdict.verdict == Verdict::Failed);
-            if verdict.verdict == Verdict::Failed {
-                println!("  pair {pair}, nothing changed, gate {}: {}", gate.name, in_words(&verdict));
-            }
-            let of_collisions =
-                |check: &Check| check.label == "collision" && check.outcome == CheckOutcome::Regressed;
-            counts[1] += u64::from(judge(gate, &base, &hit).checks.iter().any(of_collisions));
-            // As Holm's correction would have it.
-            let holm = |verdict: &GateVerdict| {
-                let shared: Vec<f64> = verdict.checks.iter().filter_map(|check| check.p_value).collect();
-                verdict.primary == 0 && numbers::inference::holm(&shared).iter().any(|p| *p <= 0.025)
-            };
-            counts[2] += u64::from(holm(&verdict));
+        hit
+    };
+    let (few, many) = (hit_in(0.01), hit_in(0.05));
+    let own = |gate: &Gate| {
+        let sequential = Gate { sequential: true, ..gate.clone() };
+        let of_collisions =
+            |check: &Check| check.label == "collision" && check.outcome == CheckOutcome::Regressed;
+        let failed = |verdict: &GateVerdict| u64::from(verdict.verdict == Verdict::Failed);
+        let verdict = judge(gate, &base, &candidate);
+        if verdict.verdict == Verdict::Failed {
+            println!("  pair {pair}, nothing changed, gate {}: {}", gate.name, in_words(&verdict));
         }
+        let shared: Vec<f64> = verdict.checks.iter().filter_map(|check| check.p_value).collect();
+        let is_alarm = verdict.primary == 0 && numbers::inference::holm(&shared).iter().any(|p| *p <= 0.025);
+        // What is left of the error at the end is nine tenths of it, as adjusted p-values say.
+        let at_the_end = |verdict: &GateVerdict, counts: &dyn Fn(&Check) -> bool| {
+            let least = 0.025 * (1.0 - ALONG_THE_WAY);
+            verdict
+                .checks
+                .iter()
+                .any(|check| counts(check) && check.adjusted_p_value.is_some_and(|p| p <= least))
+        };
+        let ended = |candidate: &Baseline| {
+            let mut looks = Rounds::of(candidate).looks();
+            looks.find_map(|after| {
+                look_at(&sequential, &base, candidate, false, after).expect("they may be compared")
+            })
+        };
+        let with_few = judge(gate, &base, &few);
+        let ended_by_many = ended(&many);
+        Counts {
+            alarms: failed(&verdict),
+            seen: u64::from(with_few.checks.iter().any(of_collisions)),
+            by_holm: u64::from(is_alarm),
+            sequential_alarms: u64::from(ended(&candidate).is_some() || at_the_end(&verdict, &|_| true)),
+            sequential_seen: u64::from(
+                ended(&few).is_some() || at_the_end(&with_few, &|check| check.label == "collision"),
+            ),
+            ended: u64::from(ended_by_many.is_some()),
+            runs: ended_by_many.map_or(0, |verdict| verdict.runs),
+        }
+    };
+    suite.gates.iter().map(own).collect()
+}
+
+impl Counts {
+    fn add(&mut self, other: Self) {
+        self.alarms += other.alarms;
+        self.seen += other.seen;
+        self.by_holm += other.by_holm;
+        self.sequential_alarms += other.sequential_alarms;
+        self.sequential_seen += other.sequential_seen;
+        self.ended += other.ended;
+        self.runs += other.runs;
     }
-    println!("  collisions in those runs: {collisions}");
-    for (gate, [alarms, seen, by_holm]) in suite.gates.iter().zip(counts) {
-        let percent = |count: u64| 100.0 * count as f64 / PAIRS as f64;
+
+    fn print(&self, gate: &Gate, pairs: u64) {
+        let percent = |count: u64| 100.0 * count as f64 / pairs as f64;
         println!(
-            "  gate {}: {:.2} % false alarms, a rise of collisions from 0 to 1 % seen in {:.1} %",
+            "    gate {}: {} false alarms ({:.2} %; {} by Holm's correction), a rise of collisions from 0 to 1 % seen in {:.1} %",
             gate.name,
-            percent(alarms),
-            percent(seen)
+            self.alarms,
+            percent(self.alarms),
+            self.by_holm,
+            percent(self.seen),
         );
-        if gate.rules.iter().all(|rule| !rule.primary) {
-            println!("    false alarms by Holm's correction: {:.2} %", percent(by_holm));
-        }
+        println!(
+            "      as a sequential one: {} false alarms ({:.2} %), seen in {:.1} %; a rise to 5 % ended it in {:.1} %, after {:.0} runs on average",
+            self.sequential_alarms,
+            percent(self.sequential_alarms),
+            percent(self.sequential_seen),
+            percent(self.ended),
+            self.runs as f64 / self.ended.max(1) as f64,
+        );
     }
 }
 
@@ -210,10 +295,14 @@ fn with(suite: &Suite, parameter: &str, value: f64) -> Suite {
 }
 
 fn runs(suite: &Suite) -> Baseline {
+    runs_on(suite, &Threads::all())
+}
+
+fn runs_on(suite: &Suite, threads: &Threads) -> Baseline {
     let plan = plan(suite).expect("the suite can be planned");
     let requests = Requests::defaults(&standard());
-    let (threads, measured) = (Threads::all(), MeasuredMetrics::new(requests.clone()));
-    let batch = RunBatch { executor: &threads, measured: &measured, stop: &Stop::default() };
+    let measured = MeasuredMetrics::new(requests.clone());
+    let batch = RunBatch { executor: threads, measured: &measured, stop: &Stop::default() };
     let trials: Vec<_> = plan
         .trials()
         .map(|trial| {
@@ -234,6 +323,7 @@ fn empty_gate() -> Gate {
         name: String::new(),
         doc: None,
         baseline: String::new(),
+        sequential: false,
         rules: Vec::new(),
         origin: Default::default(),
     }

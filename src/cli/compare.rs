@@ -11,7 +11,7 @@ use super::{Exit, measured, parameters};
 use report::console::{stderr, stdout};
 use report::{gate_markdown, render_gate};
 use results::judge::baseline::{Baseline, Incompatible, pair};
-use results::judge::gate::{blanket_rule, collision_rule, judge_rules};
+use results::judge::gate::{blanket_rule, collision_rule, judge_paired};
 use results::{CheckOutcome, GateVerdict, Verdict, record_command, set_options};
 use runner::baseline::measured_metrics;
 use runner::run::Stop;
@@ -206,7 +206,7 @@ fn judged(
     let mut verdicts = Vec::new();
     for gate in &gates {
         let sides = [&candidate, &base].into_iter().filter_map(|side| side.suite.as_ref());
-        let verdict = judge_rules(&gate.name, &gate.rules, &pairing).map_err(refuse)?;
+        let verdict = judge_paired(gate, &pairing).map_err(refuse)?;
         let replays = candidate.suite.is_some() && candidate.as_declared;
         let again = || format!("{} --seed {}{}", candidate.file, after.seed, set_options(&after.set));
         let verdict = sides.into_iter().fold(verdict, |verdict, suite| verdict.written_as(suite));
@@ -268,6 +268,7 @@ fn gates(arguments: &CompareArguments, base: &Side, candidate: &Side) -> Result<
         name: rule.text.clone(),
         doc: None,
         baseline: String::new(),
+        sequential: false,
         // What is true or false needs a rule of its own.
         rules: vec![rule, collision_rule(confidence)],
         origin: Default::default(),

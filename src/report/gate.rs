@@ -118,6 +118,18 @@ pub fn context(verdict: &GateVerdict) -> Vec<String> {
         verdict.count(CheckOutcome::NotShown),
     )];
     let by_chance = !verdict.nondeterministic.is_empty();
+    lines.extend(verdict.looks.map(|looks| match looks.ended_it_of {
+        Some(all) => format!(
+            "sequential: failed after {} of {}, at look {}; what else there may be was not compared",
+            verdict.runs,
+            count(all, "run"),
+            looks.made,
+        ),
+        None => format!(
+            "sequential: no doubt at {} before all runs were there, on which a tenth of the error is spent",
+            count(looks.made, "look"),
+        ),
+    }));
     lines.push(match (verdict.nothing_changed, verdict.same_seeds, verdict.same_people) {
         (true, ..) if by_chance => {
             "every run went exactly as before, which with what is not deterministic may be chance".to_string()

@@ -48,6 +48,9 @@ pub enum NotJudged {
         /// Trials that the suite has.
         trials: usize,
     },
+    /// Another gate of the suite, of that name, had failed before all runs were made.
+    #[error("gate {0} failed before all runs were made")]
+    Ended(String),
     /// A trial that came to nothing: which, and what happened.
     #[error("{0}")]
     Incomplete(String),
@@ -137,6 +140,20 @@ pub struct GateVerdict {
     /// Programs under test on either side that do not decide the same each time, a sentence each.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub nondeterministic: Vec<String>,
+    /// Of a sequential gate: how it was looked at before all runs were there.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub looks: Option<Looks>,
+}
+
+/// Looks at a sequential gate along the way.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Looks {
+    /// How many there were before all runs were there.
+    pub made: usize,
+    /// Of how many runs [`GateVerdict::runs`] were there when the last of them left no doubt that something had regressed; `None` where
+    /// none did, and all were compared.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub ended_it_of: Option<usize>,
 }
 
 fn is_zero(count: &usize) -> bool {

@@ -68,7 +68,7 @@ pub use event::{Evaluations, Event, Reporter, Unheard, UnitReport, Workload};
 pub use finding::{Finding, FindingMeasure, Regarding, Vacuity, WorstRun};
 pub use gate::{
     BlindPlace, Change, ChangedRun, Check, CheckOutcome, ComparedSubject, GateReport, GateState, GateVerdict,
-    NotJudged, Power, Refusal, TrialChange,
+    Looks, NotJudged, Power, Refusal, TrialChange,
 };
 pub use outcome::{ByMetric, Critical, CutOff, OnCourse, Outcome, Unfinished};
 pub use overall::Overall;

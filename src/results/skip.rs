@@ -49,6 +49,9 @@ pub enum Stopping {
     /// So many failed that the rest does not matter.
     #[error("stopped after {_0} {} (--max-fail {_0})", if *_0 == 1 { "failure" } else { "failures" })]
     MaxFail(usize),
+    /// A sequential gate of its suite has failed, whatever would come of it.
+    #[error("a gate failed before all runs were made")]
+    GateFailed,
     /// Somebody pressed Ctrl-C.
     #[error("interrupted")]
     Interrupted,

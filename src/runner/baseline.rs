@@ -21,13 +21,46 @@ const DIGITS: usize = 9;
 
 /// The baseline of the trials of a plan that were run to their end, each with its outcomes in the order of its cases.
 pub fn record(plan: &Plan, trials: &[(&PlannedTrial, &[Outcome])], requests: &Requests) -> Baseline {
+    let mut outcomes = trials.to_vec();
+    outcomes.sort_by(|left, right| left.0.key.cmp(&right.0.key));
+    let mut recorded = frame(plan, outcomes.iter().map(|(trial, _)| *trial), requests);
+    for (index, (_, outcomes)) in outcomes.iter().enumerate() {
+        let fingerprints: Vec<u64> = outcomes.iter().map(|outcome| outcome.fingerprint).collect();
+        recorded.trials[index].fingerprint = hash(&fingerprints, 16);
+        for (run, outcome) in outcomes.iter().enumerate() {
+            record_outcome(&mut recorded, (index, run), outcome, requests);
+        }
+    }
+    recorded
+}
+
+/// Writes down what a run came to: that of so many in the trial with this index.
+pub fn record_outcome(
+    recorded: &mut Baseline,
+    (trial, run): (usize, usize),
+    outcome: &Outcome,
+    requests: &Requests,
+) {
+    let Baseline { metrics, trials, .. } = recorded;
+    for (row, metric) in trials[trial].values.iter_mut().zip(metrics) {
+        let measured = requests.iter().position(|one| one.label() == metric.label);
+        row[run] = outcome.metrics[measured.expect("it was measured")].map(rounded);
+    }
+}
+
+/// The baseline of trials of a plan of which no run was made yet.
+pub fn frame<'t>(
+    plan: &Plan,
+    trials: impl Iterator<Item = &'t PlannedTrial>,
+    requests: &Requests,
+) -> Baseline {
     let suite = plan.suite.as_str();
-    let what_runs = what_runs(trials.iter().map(|(trial, _)| *trial));
-    let mut trials = trials.to_vec();
-    trials.sort_by(|left, right| left.0.key.cmp(&right.0.key));
+    let mut trials: Vec<&PlannedTrial> = trials.collect();
+    let what_runs = what_runs(trials.iter().copied());
+    trials.sort_by(|left, right| left.key.cmp(&right.key));
     let mut vehicles: Vec<Vec<TestedVehicle>> = Vec::new();
     let mut recorded = Vec::with_capacity(trials.len());
-    for (trial, outcomes) in trials {
+    for trial in trials {
         // Of drawn runs each is another; the one in the middle stands for all that they do not draw.
         let middle = trial.cases.middle();
         let tested = tested_vehicles(middle.as_ref().unwrap_or(&trial.cases.first()));
@@ -35,17 +68,15 @@ pub fn record(plan: &Plan, trials: &[(&PlannedTrial, &[Outcome])], requests: &Re
             vehicles.push(tested);
             vehicles.len() - 1
         });
-        let row =
-            |metric: usize| outcomes.iter().map(|outcome| outcome.metrics[metric].map(rounded)).collect();
-        let label = |outcome: &Outcome| {
-            let rest = outcome.key.strip_prefix(&trial.key).unwrap_or(&outcome.key);
-            rest.trim_start_matches('/').to_string()
+        let label = |run: usize| {
+            let key = trial.cases.key(run);
+            key.strip_prefix(&trial.key).unwrap_or(&key).trim_start_matches('/').to_string()
         };
         recorded.push(RecordedTrial {
             key: trial.key.strip_prefix(&format!("{suite}/")).unwrap_or(&trial.key).to_string(),
             scenario: trial.scenario.clone(),
             certain: nothing_is_drawn(&trial.cases),
-            fingerprint: hash(&outcomes.iter().map(|outcome| outcome.fingerprint).collect::<Vec<_>>(), 16),
+            fingerprint: String::new(),
             seeds: Some(hash(&trial.cases.iter().map(|case| case.seed).collect::<Vec<_>>(), 12)),
             warnings: departures(trial),
             parts: match middle {
@@ -56,8 +87,8 @@ pub fn record(plan: &Plan, trials: &[(&PlannedTrial, &[Outcome])], requests: &Re
                 None => parts(&trial.cases.iter().collect::<Vec<_>>()),
             },
             vehicles: place,
-            runs: outcomes.iter().map(label).collect(),
-            values: (0..requests.iter().count()).map(row).collect(),
+            runs: (0..trial.cases.len()).map(label).collect(),
+            values: vec![vec![None; trial.cases.len()]; requests.iter().count()],
         });
     }
     Baseline {

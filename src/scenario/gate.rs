@@ -13,6 +13,9 @@ pub struct Gate {
     pub doc: Option<String>,
     /// A path resolved against the file that names it.
     pub baseline: String,
+    /// Whether it is judged while runs come in, too, and fails as soon as there is no doubt.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub sequential: bool,
     /// Never empty.
     pub rules: Vec<GateRule>,
     /// Where it is declared.

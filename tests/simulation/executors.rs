@@ -174,7 +174,8 @@ fn run_by(executor: &dyn Executor, folder: &Path) -> (String, String) {
     let session = Runner::new(&suites, executor, &registry()).journals(folder.join("journal"));
     let units = units(&suites);
     let chosen = vec![true; units.len()];
-    let orders = Orders { chosen: &chosen, max_failures: None, every_trial: true };
+    let orders =
+        Orders { chosen: &chosen, max_failures: None, every_trial: true, memory: None, lenient: false };
     let mut reports = session.run(&units, &orders, &mut Unheard);
     let baseline = folder.join("everything.json");
     if !baseline.exists() {

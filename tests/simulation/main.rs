@@ -24,6 +24,7 @@ mod numerics;
 mod otherwise;
 mod refuges;
 mod same_as;
+mod sequential_gates;
 mod several_others;
 mod signals;
 mod steering;

@@ -60,6 +60,7 @@ pub fn gate(
         name: name.text().to_string(),
         doc: literal::doc(block.doc()),
         baseline: baseline.map(|string| places.beside(string.span(), &string.value()))?,
+        sequential: block.sequential().is_some(),
         rules: rules.into_iter().collect::<Option<_>>()?,
         origin: places.origin(name.span()),
     })

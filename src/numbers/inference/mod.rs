@@ -2,6 +2,7 @@
 
 mod bounded_mean;
 mod comparison;
+mod evidence;
 mod max_t;
 mod maximum_entropy;
 mod mean;
@@ -16,6 +17,7 @@ mod trinomial;
 
 pub use bounded_mean::{IndependentUnit, MeanWatch, mean_of_bounded, runs_for_mean};
 pub use comparison::{McNemar, holm, mcnemar};
+pub use evidence::evidence_of_worse;
 pub use max_t::{PairDifferences, max_t};
 pub use maximum_entropy::{
     EntropyWeights, WeightBound, WeightTarget, effective_size, maximum_entropy, maximum_entropy_within,

@@ -264,6 +264,7 @@ impl GateOfSuite {
             name: self.gate,
             doc: None,
             baseline: String::new(),
+            sequential: false,
             rules: self.rules.iter().map(rule).collect(),
             origin: Origin::default(),
         };

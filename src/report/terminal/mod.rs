@@ -139,6 +139,7 @@ impl Terminal {
     fn stop(&mut self, stopping: Stopping) {
         let said = match stopping {
             Stopping::MaxFail(_) => format!("{stopping}; what has begun comes to its end"),
+            Stopping::GateFailed => format!("{stopping}; what is left of its suite is not run"),
             Stopping::Interrupted => "no more runs begin; interrupt again to stop at once".to_string(),
         };
         let line = status::line("Stopping", status::DOUBTFUL, None, &said, self.lines.colour);

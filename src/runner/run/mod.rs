@@ -17,6 +17,7 @@ mod name;
 mod panic;
 mod program_run;
 mod rehearsal;
+mod remembered;
 mod sequence;
 mod serialised;
 mod shuffled;
@@ -41,6 +42,7 @@ pub use job::{
 };
 pub use panic::{Panicked, note_places};
 pub(crate) use rehearsal::{Obstacle, Stage, rehearse, rehearse_trials};
+pub(crate) use remembered::Remembered;
 pub(crate) use sequence::{Sequence, Sequences, run_sequences};
 pub use serialised::Serialised;
 pub use shuffled::Shuffled;

@@ -10,17 +10,18 @@ use std::thread;
 use std::time::{Duration, Instant, SystemTime};
 
 use super::earlier::Usable;
+use super::looks::Looked;
 use super::reporting::{Message, Off, Reporting};
 use super::schedule::UnitSchedule;
 use super::shared::Runner;
 use super::unit::{UnitKind, Units};
 use super::unit_run::UnitRun;
 use crate::experiment::{BlockProgress, EarlierResults};
-use crate::run::{Done, Job, JobPlace, Sequence, Sequences, Stop, run_sequences};
+use crate::run::{Done, Job, JobPlace, Remembered, Sequence, Sequences, Stop, run_sequences};
 use results::{Event, Reporter, Stopping, SuiteReport, UnitReport, Workload};
 
 /// What is to be run, and how.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy)]
 pub struct Orders<'o> {
     /// Whether each unit is to run; see [`super::with_needs`].
     pub chosen: &'o [bool],
@@ -28,6 +29,10 @@ pub struct Orders<'o> {
     pub max_failures: Option<usize>,
     /// Whether every trial is held in the reports; gates hold those of their suites all the same.
     pub every_trial: bool,
+    /// Where sequential gates keep the runs that they looked at: the executor of the runner. Without it none is looked at before the end.
+    pub memory: Option<&'o Remembered<'o>>,
+    /// Whether gates leave out trials that their baseline lacks, instead of refusing to compare.
+    pub lenient: bool,
 }
 
 /// How often time is told when nothing happens.
@@ -42,8 +47,14 @@ impl<'a> Runner<'a> {
     pub fn run(&self, units: &Units<'a>, orders: &Orders, reporter: &mut dyn Reporter) -> Vec<SuiteReport> {
         let (started, begun) = (SystemTime::now(), Instant::now());
         reporter.tell(&Event::Begun(&outline(units, orders.chosen)));
-        let coordinator = Coordinator::new(self, units, orders);
+        let looked = orders.memory.map_or_else(Looked::default, |memory| {
+            self.look(units, orders.chosen, (memory, orders.lenient), reporter)
+        });
+        let mut chosen = orders.chosen.to_vec();
+        looked.called_off.iter().for_each(|unit| chosen[*unit] = false);
+        let coordinator = Coordinator::new(self, units, &Orders { chosen: &chosen, ..*orders }, looked.told);
         let mut reporting = Reporting::new(self, units, orders.every_trial, reporter);
+        reporting.called_off(looked.called_off);
         let blocks = (0..units.len()).filter(|unit| units.is_block(*unit)).count();
         thread::scope(|scope| {
             // Should this thread panic, the others must not go on behind it.
@@ -82,7 +93,11 @@ impl<'a> Runner<'a> {
         if self.stop().is_requested() {
             reporting.interrupted(coordinator.call_off());
         }
-        reporting.conclude(started, begun.elapsed())
+        let mut reports = reporting.conclude(started, begun.elapsed());
+        for (suite, gates) in looked.gates {
+            reports[suite].gates = gates;
+        }
+        reports
     }
 }
 
@@ -135,6 +150,8 @@ struct Coordinator<'c, 'a> {
     /// Whether some chosen block needs the unit.
     needed: Vec<bool>,
     max_failures: Option<usize>,
+    /// How many runs of a unit were told to be done before it began.
+    told: HashMap<usize, usize>,
     state: Mutex<State>,
     /// Told when a unit may have become ready, or there is nothing more to wait for.
     changed: Condvar,
@@ -152,7 +169,12 @@ struct State {
 }
 
 impl<'c, 'a> Coordinator<'c, 'a> {
-    fn new(runner: &'c Runner<'a>, units: &'c Units<'a>, orders: &Orders) -> Self {
+    fn new(
+        runner: &'c Runner<'a>,
+        units: &'c Units<'a>,
+        orders: &Orders,
+        told: HashMap<usize, usize>,
+    ) -> Self {
         let mut needed = vec![false; units.len()];
         for (unit, _) in orders.chosen.iter().enumerate().filter(|(_, chosen)| **chosen) {
             units.needs(unit).iter().for_each(|need| needed[*need] = true);
@@ -161,7 +183,7 @@ impl<'c, 'a> Coordinator<'c, 'a> {
         let kept = HashMap::new();
         let state = State { schedule, running: false, failures: 0, kept, panicked: None };
         let (max_failures, state) = (orders.max_failures, Mutex::new(state));
-        Self { runner, units, needed, max_failures, state, changed: Condvar::new() }
+        Self { runner, units, needed, max_failures, told, state, changed: Condvar::new() }
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
@@ -323,7 +345,11 @@ impl<'s, 'c, 'a> Sequences for RunUnits<'s, 'c, 'a> {
         let unit = self.coordinator.begin_runs()?;
         let sender = self.sender;
         send(sender, Message::Begun(unit));
-        let told = Box::new(move || send(sender, Message::RunDone(unit)));
+        let mut told_before = self.coordinator.told.get(&unit).copied().unwrap_or(0);
+        let told = Box::new(move || match told_before.checked_sub(1) {
+            Some(left) => told_before = left,
+            None => send(sender, Message::RunDone(unit)),
+        });
         let run = self.coordinator.runner.begin(self.coordinator.units.get(unit), told);
         Some(Under { unit, run: run.expect("it is no block") })
     }

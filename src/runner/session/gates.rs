@@ -5,7 +5,8 @@ use std::sync::Arc;
 
 use super::shared::Runner;
 use super::tested_programs::{nondeterministic, verify_suite};
-use crate::baseline::{measured_metrics, program_titles, record};
+use crate::baseline::{self, measured_metrics, program_titles, record};
+use crate::plan::PlannedTrial;
 use crate::run::{BatchError, Panicked};
 use files::Files;
 use results::judge::baseline::{Baseline, Incompatible};
@@ -21,7 +22,8 @@ use scenario::{Gate, Suite};
 pub fn judge_gates<'a>(runner: &Runner<'a>, reports: &mut [SuiteReport], lenient: bool) {
     for (suite, report) in reports.iter_mut().enumerate() {
         let gates = &runner.suites()[suite].suite.gates;
-        if gates.is_empty() {
+        // Where one failed while runs came in, all is said.
+        if gates.is_empty() || !report.gates.is_empty() {
             continue;
         }
         assert!(report.summary.is_none(), "a suite with gates has every trial");
@@ -51,7 +53,7 @@ pub fn judge_gates<'a>(runner: &Runner<'a>, reports: &mut [SuiteReport], lenient
 }
 
 /// Whether a gate's baseline is of other runs, so that none need be made to be compared with it.
-fn other_runs(gate: &Gate, set: &[String], files: &dyn Files) -> Option<Refusal> {
+pub(super) fn other_runs(gate: &Gate, set: &[String], files: &dyn Files) -> Option<Refusal> {
     let base = Baseline::read_named(Path::new(&gate.baseline), files).ok()?;
     refusal(&base, set)
 }
@@ -145,11 +147,21 @@ pub fn measured_trials(
         outcomes.push((planned, all));
     }
     let trials: Vec<_> = outcomes.iter().map(|(trial, outcomes)| (trial, &outcomes[..])).collect();
-    let mut all = record(&prepared.plan, &trials, requests);
-    all.programs = program_titles(runner.executor(), &prepared.suite);
+    Ok(of_suite(runner, suite, record(&prepared.plan, &trials, requests)))
+}
+
+/// As [`measured_trials`] gives it, of a suite of which no run was made yet.
+pub(super) fn frame(runner: &Runner, suite: usize, trials: &[PlannedTrial]) -> Baseline {
+    let plan = &runner.suites()[suite].plan;
+    of_suite(runner, suite, baseline::frame(plan, trials.iter(), runner.requests()))
+}
+
+fn of_suite(runner: &Runner, suite: usize, mut all: Baseline) -> Baseline {
+    let declared = &runner.suites()[suite].suite;
+    all.programs = program_titles(runner.executor(), declared);
     // Other suites of the session may have asked for more.
-    all.keep_metrics(&measured_metrics(&prepared.suite, runner.registry()));
-    Ok(all)
+    all.keep_metrics(&measured_metrics(declared, runner.registry()));
+    all
 }
 
 fn state(

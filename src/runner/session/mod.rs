@@ -7,6 +7,7 @@ mod coordinator;
 mod courses;
 mod earlier;
 mod gates;
+mod looks;
 mod on_demand;
 mod project_run;
 mod ratings;

@@ -14,7 +14,7 @@ use super::shared::{RunWatch, Runner};
 use super::tested_programs::{note_uses, verify};
 use super::unit::{Units, units};
 use crate::project::Project;
-use crate::run::{Executor, Stop, Threads, VerifyRuns};
+use crate::run::{Executor, Remembered, Stop, Threads, VerifyRuns};
 use results::{Reporter, Results, TriedSeed};
 
 /// What is to be run and how. Results depend on the project alone.
@@ -158,6 +158,10 @@ impl<'a> Session<'a> {
                 &threads
             }
         };
+        let memory = Remembered::new(executor);
+        let is_sequential =
+            self.project.suites().iter().flat_map(|one| &one.suite.gates).any(|gate| gate.sequential);
+        let executor: &dyn Executor = if is_sequential { &memory } else { executor };
         let mut runner = Runner::new(self.project.suites(), executor, self.project.registry())
             .verifying(self.verify)
             .reading(self.project.files())
@@ -173,6 +177,8 @@ impl<'a> Session<'a> {
             chosen: &chosen,
             max_failures: selection.max_failures,
             every_trial: self.every_trial || self.courses,
+            memory: is_sequential.then_some(&memory),
+            lenient: self.lenient,
         };
         let mut suites = runner.run(units, &orders, reporter);
         // Before runs are repeated, which other runs need not wait for.

@@ -162,6 +162,17 @@ impl<'t, 'a> Reporting<'t, 'a> {
         }
     }
 
+    /// A gate has failed before all runs were made, so that these units will not be run.
+    pub fn called_off(&mut self, units: Vec<usize>) {
+        if !units.is_empty() {
+            self.tell(&Event::Stopping(Stopping::GateFailed));
+        }
+        for unit in units {
+            let reason = self.reason(&Off::Stopping(Stopping::GateFailed));
+            self.skipped(unit, reason);
+        }
+    }
+
     /// The reports of all suites, at the end.
     pub fn conclude(mut self, started: SystemTime, elapsed: Duration) -> Vec<SuiteReport> {
         let runner = self.runner;

@@ -35,7 +35,14 @@ views! {
     TestedVehicle = tested_vehicle { name: Name }
     /// `gate NAME { … }`
     Gate = gate { name: Name, block: GateBlock }
-    GateBlock = gate_block { doc: (Doc), baseline: (Baseline), rules: [GateRule] }
+    GateBlock = gate_block {
+        doc: (Doc),
+        baseline: (Baseline),
+        sequential: (Sequential),
+        rules: [GateRule],
+    }
+    /// `sequential`
+    Sequential = sequential {}
     Baseline = baseline { path: Text }
     GateRule = gate_rule {
         primary: (Primary),
@@ -110,6 +117,13 @@ pub static GATE: BlockEntry = BlockEntry {
         statement("baseline", Rule::baseline, "baseline \"zebra.json\"", "The file to compare with.")
             .key("baseline", YamlShape::Text)
             .needed("baseline", "baseline \"zebra.json\""),
+        statement(
+            "sequential",
+            Rule::sequential,
+            "sequential",
+            "Judged while runs come in, too: what got worse beyond doubt ends the suite.",
+        )
+        .key("sequential", YamlShape::Flag),
         statement(
             "",
             Rule::gate_rule,

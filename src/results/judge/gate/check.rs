@@ -9,14 +9,31 @@ use numbers::inference::{MeanChange, rate_change, rate_rise};
 use numbers::random::derive_seed;
 use scenario::Tolerance;
 
-/// Everything but the outcome, which depends on the other comparisons.
+/// Everything but the outcome, which depends on the other comparisons; `shares` of them share the error.
 /// The second is the p-value of exchanging base and candidate, where that is asked for and no other p-value is the same.
 pub fn measure(
     question: &Question,
     differences: &Differences,
-    family: usize,
+    shares: f64,
     seed: u64,
 ) -> (Check, Option<f64>) {
+    let mut check = described(question, differences);
+    let mut exchanged = None;
+    if check.certain {
+        check.power = Power::Everything;
+    } else {
+        let level = check.level() / shares.max(1.0);
+        let seed = derive_seed(seed, &format!("{} {} {:?}", check.label, check.place, check.subject));
+        exchanged = check.compare(differences, widest(question), level, seed);
+    }
+    if question.about == About::Existence(None) {
+        (check.p_value, check.power) = (None, Power::None);
+    }
+    (check, exchanged)
+}
+
+/// What is compared, of which nothing is known yet but how it looks.
+pub fn described(question: &Question, differences: &Differences) -> Check {
     let subject = match question.about {
         About::Mean(_) => ComparedSubject::Mean,
         About::Rate(_) | About::Holds(_) => ComparedSubject::Rate,
@@ -36,7 +53,7 @@ pub fn measure(
         ComparisonPlace::CertainTrial(key) => (key, true),
     };
     let (worse_runs, better_runs) = changed_runs(question);
-    let mut check = Check {
+    Check {
         rule: question.rule,
         metric: question.metric.name.clone(),
         label: question.label.clone(),
@@ -59,19 +76,7 @@ pub fn measure(
         worst_trial: worst_trial(question),
         worse_runs,
         better_runs,
-    };
-    let mut exchanged = None;
-    if certain {
-        check.power = Power::Everything;
-    } else {
-        let level = check.level() / family.max(1) as f64;
-        let seed = derive_seed(seed, &format!("{} {} {:?}", check.label, check.place, subject));
-        exchanged = check.compare(differences, widest(question), level, seed);
     }
-    if question.about == About::Existence(None) {
-        (check.p_value, check.power) = (None, Power::None);
-    }
-    (check, exchanged)
 }
 
 impl Check {

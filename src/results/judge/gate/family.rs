@@ -27,25 +27,28 @@ pub struct Comparisons<'a> {
 pub struct Families {
     pub primary: usize,
     pub others: usize,
+    /// What of the error is left for the end, 0..1.
+    pub left: f64,
 }
 
 impl Families {
-    pub fn of(asked: &[Question], rules: &[GateRule]) -> Self {
+    pub fn of(asked: &[Question], rules: &[GateRule], left: f64) -> Self {
         let count = |primary: bool| {
             let own = asked.iter().filter(|question| rules[question.rule].primary == primary);
             own.filter(|question| question.shares_the_error()).count()
         };
-        Self { primary: count(true), others: count(false) }
+        Self { primary: count(true), others: count(false), left }
     }
 
-    /// How many kinds of comparisons the error is divided between: nobody shares it with a kind of which there is none.
-    fn kinds(&self) -> usize {
-        usize::from(self.primary > 0) + usize::from(self.others > 0)
+    /// Between how many kinds of comparisons the error is divided, as if all of it were left: nobody shares it with a kind of which there
+    /// is none.
+    fn kinds(&self) -> f64 {
+        (f64::from(self.primary > 0) + f64::from(self.others > 0)) / self.left
     }
 
     /// By how many one comparison of a kind shares the error.
-    pub fn comparisons(&self, primary: bool) -> usize {
-        self.kinds() * if primary { self.primary } else { self.others }
+    pub fn shares(&self, primary: bool) -> f64 {
+        self.kinds() * if primary { self.primary } else { self.others } as f64
     }
 
     /// Gives every comparison that shares the error its p-value adjusted for the others.
@@ -57,8 +60,7 @@ impl Families {
             });
             let (exchangeable, others): (Vec<usize>, Vec<usize>) =
                 own.partition(|index| asked[*index].tolerates_nothing());
-            let level =
-                checks.iter().map(Check::level).fold(0.5, f64::min) / self.comparisons(primary).max(1) as f64;
+            let level = checks.iter().map(Check::level).fold(0.5, f64::min) / self.shares(primary).max(1.0);
             let jointly = joint(&exchangeable, checks, measured, level, seed);
             let p_values: Vec<f64> = others.iter().filter_map(|index| checks[*index].p_value).collect();
             let (of_joint, of_others) = shared(&jointly, &p_values);
@@ -70,10 +72,10 @@ impl Families {
                 // there are. Of what is far smaller than can be told by exchanging, the quotient says nothing.
                 let taken_for = (adjusted / exchanged).clamp(1.0, exchangeable.len() as f64);
                 let careful = own * taken_for;
-                check.adjusted_p_value = Some((adjusted.max(careful) * self.kinds() as f64).min(1.0));
+                check.adjusted_p_value = Some((adjusted.max(careful) * self.kinds()).min(1.0));
             }
             for (index, adjusted) in others.iter().zip(of_others) {
-                checks[*index].adjusted_p_value = Some((adjusted * self.kinds() as f64).min(1.0));
+                checks[*index].adjusted_p_value = Some((adjusted * self.kinds()).min(1.0));
             }
         }
     }

@@ -5,6 +5,7 @@
 mod changes;
 mod check;
 mod family;
+mod looks;
 mod measure;
 mod power;
 mod questions;
@@ -12,13 +13,14 @@ mod questions;
 mod tests;
 
 use super::baseline::{Baseline, Incompatible, Pairing, pair};
-use crate::{BlindPlace, Check, CheckOutcome, GateVerdict, Power, Verdict};
+use crate::{BlindPlace, Check, CheckOutcome, GateVerdict, Looks, Power, Verdict};
 use scenario::{Gate, GateRule, MetricReference, Reference, Tolerance};
 
 use family::Families;
 use measure::{Differences, differences};
 
 pub use changes::vehicle_changes;
+pub use looks::{ALONG_THE_WAY, Rounds, look_at};
 pub use power::{OFTEN, share_of_one};
 
 /// The rule that a comparison has where no gate is named: no metric worse by more than this.
@@ -100,29 +102,46 @@ pub fn judge_gate(
         let (base, candidate) = (base.suite.clone(), candidate.suite.clone());
         return Err(vec![Incompatible::OtherSuite { base, candidate }]);
     }
-    judge_rules(&gate.name, &gate.rules, &pair(base, candidate, lenient)?)
+    judge_paired(gate, &pair(base, candidate, lenient)?)
 }
 
-/// Judges rules over two baselines that belong together.
+/// Judges what a gate says about two baselines that belong together. One that is sequential comes to what it came to at its first look that
+/// left no doubt, whatever came of later runs.
 ///
 /// # Errors
 /// Names the metrics that a rule asks for and the base lacks.
-pub fn judge_rules(
+pub fn judge_paired(gate: &Gate, pairing: &Pairing) -> Result<GateVerdict, Vec<Incompatible>> {
+    if !gate.sequential {
+        return judge_rules(&gate.name, &gate.rules, pairing, 1.0);
+    }
+    let rounds = Rounds::of(pairing.candidate);
+    for after in rounds.looks() {
+        if let Some(failed) = looks::look(gate, pairing, &rounds, after)? {
+            return Ok(failed);
+        }
+    }
+    let verdict = judge_rules(&gate.name, &gate.rules, pairing, 1.0 - looks::ALONG_THE_WAY)?;
+    Ok(GateVerdict { looks: Some(Looks { made: rounds.looks().count(), ended_it_of: None }), ..verdict })
+}
+
+/// What is left of a gate's error at the end is `left`, 0..1.
+fn judge_rules(
     name: &str,
     rules: &[GateRule],
     pairing: &Pairing,
+    left: f64,
 ) -> Result<GateVerdict, Vec<Incompatible>> {
     let rules = &with_default(rules, pairing);
     let questions::Questions { asked, without_values, new_metrics, unnamed_flags } =
         questions::ask(rules, pairing)?;
-    let families = Families::of(&asked, rules);
+    let families = Families::of(&asked, rules, left);
     let measured: Vec<Differences> = asked.iter().map(differences).collect();
     let seed = pairing.candidate.seed;
     let (mut checks, exchanged): (Vec<Check>, Vec<Option<f64>>) = asked
         .iter()
         .zip(&measured)
         .map(|(question, measured)| {
-            check::measure(question, measured, families.comparisons(rules[question.rule].primary), seed)
+            check::measure(question, measured, families.shares(rules[question.rule].primary), seed)
         })
         .unzip();
     let comparisons =
@@ -163,6 +182,7 @@ pub fn judge_rules(
         nothing_changed,
         changes: changes::changes(pairing),
         nondeterministic,
+        looks: None,
     })
 }
 

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+mod looks;
 mod rates;
 
 use super::*;
@@ -85,7 +86,7 @@ fn named(metric: &str, tolerance: Tolerance) -> GateRule {
 }
 
 fn judge(rules: &[GateRule], base: &Baseline, candidate: &Baseline) -> GateVerdict {
-    judge_rules("gate", rules, &pair(base, candidate, false).unwrap()).unwrap()
+    judge_rules("gate", rules, &pair(base, candidate, false).unwrap(), 1.0).unwrap()
 }
 
 fn outcome<'a>(verdict: &'a GateVerdict, label: &str, subject: ComparedSubject) -> &'a Check {
@@ -203,6 +204,7 @@ fn a_rule_of_its_own_replaces_the_blanket_one() {
         "gate",
         &[named("drac", Tolerance::Relative(0.05))],
         &pair(&shifted(0.0), &shifted(0.0), false).unwrap(),
+        1.0,
     );
     assert_eq!(missing.unwrap_err(), [Incompatible::MetricMissing("drac".into())]);
 }
