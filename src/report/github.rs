@@ -12,11 +12,11 @@ use super::groups::groups;
 use super::rating::{
     RatingTable, cells_in_words, points_in_words, points_rows, rating_mark, rating_notes, render_rating,
 };
-use super::wording::recorded_remark;
 use super::wording::{
     closest_calls, interruption, judged_words, nearest_run, nothing_claimed, observed, stopping,
     trial_warnings, untested, verdict_mark, verdict_word,
 };
+use super::wording::{recorded_remark, several_claims};
 use super::{Repository, expect_every_trial};
 use files::escape::{
     github_data, github_property, html, markdown, markdown_code, markdown_fenced, terminal_line,
@@ -310,6 +310,9 @@ fn suite_summary(text: &mut String, report: &SuiteReport, requests: &Requests) {
         report.wall_time.as_secs_f64(),
         markdown(&report.program.version),
     ));
+    if let Some(said) = several_claims(report) {
+        line(format!("{}\n", markdown(&said)));
+    }
     for tested in &report.controllers {
         let warning = tested.nondeterminism().map(|said| format!("⚠ {said}"));
         for said in controllers::in_words(tested).into_iter().chain(warning) {

@@ -14,7 +14,9 @@ use super::experiment::render_block;
 use super::failure::{render_block_failure, render_failure};
 use super::gate::{blindness as gate_blindness, render_gate_report};
 use super::rating::{points_rows, render_rating};
-use super::wording::{in_words, interruption, nothing_claimed, recorded_remark, stopping, trial_warnings};
+use super::wording::{
+    in_words, interruption, nothing_claimed, recorded_remark, several_claims, stopping, trial_warnings,
+};
 use super::{Repository, need_every_trial};
 use results::{
     BlockReport, BlockResult, BlockState, Cut, CutBy, EstimateResult, GateReport, GateState, NotJudged,
@@ -108,6 +110,7 @@ fn suite_properties(report: &SuiteReport) -> Vec<(String, String)> {
         ("tool".to_string(), format!("scenario-runner {}", report.program.version)),
     ];
     properties.extend(report.identity.tried_words().map(|tried| ("seeds".to_string(), tried)));
+    properties.extend(several_claims(report).map(|said| ("claims".to_string(), said)));
     if report.interrupted {
         properties.push(("interrupted".to_string(), interruption(report)));
     }

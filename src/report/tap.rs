@@ -10,7 +10,9 @@ use super::failure::{render_block_failure, render_failure};
 use super::gate::render_gate_report;
 use super::need_every_trial;
 use super::rating::render_rating;
-use super::wording::{in_words, interruption, stopping, trial_warnings, verdict_word, warnings};
+use super::wording::{
+    in_words, interruption, several_claims, stopping, trial_warnings, verdict_word, warnings,
+};
 use files::escape::{tap_description, tap_text, terminal_line, yaml_quoted};
 use results::{
     BlockReport, BlockState, Finding, GateReport, GateState, NotJudged, RatingReport, RatingState, Results,
@@ -43,6 +45,9 @@ pub fn write_tap(results: &Results, out: &mut dyn io::Write) -> io::Result<()> {
             terminal_line(&identity.file),
             terminal_line(&identity.seed_words())
         )?;
+        if let Some(said) = several_claims(report) {
+            writeln!(points.out, "# {said}")?;
+        }
         for tested in &report.controllers {
             let warning = tested.nondeterminism().map(|said| format!("warning: {said}"));
             for said in controllers::in_words(tested).into_iter().chain(warning) {

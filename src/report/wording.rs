@@ -456,6 +456,17 @@ fn in_unit(finding: &Finding, value: f64) -> String {
     }
 }
 
+/// What is to be known of single claims where there are several: none shares its error with the others.
+pub fn several_claims(report: &SuiteReport) -> Option<String> {
+    let claims = report.claims_with_confidence();
+    (claims > 1).then(|| {
+        format!(
+            "{claims} claims with confidence, each at its own: that all hold is as sure as the least sure of them; of single ones that do not \
+             hold, some may pass by luck"
+        )
+    })
+}
+
 /// How far a suite came that somebody interrupted.
 pub fn interruption(report: &SuiteReport) -> String {
     let count = |wanted: &dyn Fn(&Standing) -> bool| report.standings().filter(wanted).count();

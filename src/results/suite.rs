@@ -6,17 +6,17 @@ use std::time::{Duration, SystemTime};
 
 use serde::{Deserialize, Serialize};
 
-use super::block::BlockReport;
+use super::block::{BlockReport, BlockResult};
 use super::controller::TestedController;
 use super::gate::GateReport;
 use super::rating::RatingReport;
 use super::recorded::RecordedReport;
 use super::skip::Skip;
 use super::standing::Standing;
-use super::summary::SuiteSummary;
-use super::trial::TrialReport;
+use super::summary::{ScenarioSummary, SuiteSummary};
+use super::trial::{TrialReport, TrialState};
 use numbers::json;
-use scenario::TestedInstead;
+use scenario::{Criterion, TestedInstead};
 
 /// More seeds are counted, not named.
 const MOST_SEEDS_NAMED: usize = 10;
@@ -267,6 +267,30 @@ impl SuiteReport {
             Some(summary) => Cow::Borrowed(summary),
             None => Cow::Owned(SuiteSummary::of(&self.trials)),
         }
+    }
+
+    /// How many claims with a confidence were judged: of trials and of estimates. Of a scenario whose trials differ in what they claim, and are
+    /// not all held, as many at least.
+    pub fn claims_with_confidence(&self) -> usize {
+        let stated = |criteria: &[Criterion]| {
+            criteria.iter().filter(|criterion| criterion.claim.confidence().is_some()).count()
+        };
+        let of_scenario = |scenario: &ScenarioSummary| {
+            let each = scenario.criteria.iter().map(|applied| stated(&applied.criteria)).min();
+            each.unwrap_or(0) * scenario.ran()
+        };
+        let of_trials = match &self.summary {
+            Some(summary) => summary.scenarios.iter().map(of_scenario).sum(),
+            None => {
+                let judged = self.trials.iter().filter(|trial| matches!(trial.state, TrialState::Judged(_)));
+                judged.map(|trial| stated(&trial.trial.criteria)).sum::<usize>()
+            }
+        };
+        let of_block = |block: &BlockReport| match block.result() {
+            Some(BlockResult::Estimate(estimate)) => estimate.claims.len(),
+            _ => 0,
+        };
+        of_trials + self.blocks.iter().map(of_block).sum::<usize>()
     }
 
     /// The trials that are held, each with its place among all trials of the suite.

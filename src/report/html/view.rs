@@ -19,8 +19,8 @@ use crate::failure::render_failure;
 use crate::figures::{figures, short_name};
 use crate::table::Column;
 use crate::wording::{
-    bound, interval, judged_words, margin, missing, nearest_run, observed, stopping, trial_warnings,
-    verdict_mark, verdict_word,
+    bound, interval, judged_words, margin, missing, nearest_run, observed, several_claims, stopping,
+    trial_warnings, verdict_mark, verdict_word,
 };
 use results::{
     BlockReport, BlockState, Chosen, Finding, FindingMeasure, GateReport, GateState, Program, RatingReport,
@@ -113,8 +113,8 @@ struct Suite {
     counts: Counts,
     /// Which programs were tested, and how fast they answered.
     controllers: Vec<String>,
-    /// Which populations people are of.
-    people: Vec<String>,
+    /// Which populations people are of, and what is to be known of claims.
+    notes: Vec<String>,
     warnings: Vec<String>,
     statements: Option<Statements>,
     scenarios: Vec<Scenario>,
@@ -327,7 +327,12 @@ fn suite<'r>(
         seconds: format!("{:.2}", report.wall_time.as_secs_f64()),
         counts,
         controllers: report.controllers.iter().filter_map(controllers::in_words).collect(),
-        people: report.people.iter().map(|one| format!("People of {}.", one.in_words())).collect(),
+        notes: report
+            .people
+            .iter()
+            .map(|one| format!("People of {}.", one.in_words()))
+            .chain(several_claims(report).map(|said| format!("{said}.")))
+            .collect(),
         warnings: report
             .controllers
             .iter()

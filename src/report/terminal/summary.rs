@@ -10,6 +10,7 @@ use crate::format::count;
 use crate::groups::{Group, groups};
 use crate::statement::render_statements;
 use crate::table::render_tables;
+use crate::wording::several_claims;
 use files::escape::{terminal, terminal_line};
 use results::{
     BlockReport, BlockResult, CutBy, Requests, Skip, Standing, StandingCount, StatementResult, SuiteIdentity,
@@ -82,6 +83,9 @@ impl Lines {
         let suite = terminal_line(&identity.suite);
         let seed = identity.seed_words();
         self.say(&format!("{suite}: {}, {}\n", parts.join(", "), terminal_line(&seed)));
+        if let Some(said) = several_claims(report) {
+            self.say(&format!("{:>width$}  {said}\n", "", width = suite.chars().count()));
+        }
     }
 
     /// What did not pass and cannot be seen any more, or was not shown at all. Of failures of one cause it is the worst.
