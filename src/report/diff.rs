@@ -257,7 +257,7 @@ fn table(run: &RunDiff) -> Vec<String> {
                 match (one, other) {
                     (Some(one), Some(other)) => {
                         let (dx, dy) = (one.x - other.x, one.y - other.y);
-                        format!("{:.1} m", dx.hypot(dy))
+                        format!("{:.1} m", (dx * dx + dy * dy).sqrt())
                     }
                     _ => "–".to_string(),
                 }

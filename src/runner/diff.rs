@@ -241,7 +241,7 @@ impl Both<'_> {
             let all = side.ran.events.iter().filter(counts);
             all.filter(|event| event.time <= end + SAME).collect::<Vec<_>>()
         });
-        let lacks = |all: &[&TimelineEvent], event: &TimelineEvent| !all.iter().any(|other| *other == event);
+        let lacks = |all: &[&TimelineEvent], event: &TimelineEvent| !all.contains(&event);
         let only_a = a.iter().filter(|event| lacks(&b, event)).map(|event| (*event, true));
         let only_b = b.iter().filter(|event| lacks(&a, event)).map(|event| (*event, false));
         let only: Vec<(&TimelineEvent, bool)> = only_a.chain(only_b).collect();
