@@ -169,7 +169,7 @@ pub mod language {
 
 /// What gates compare with: baselines of trials, recorded once and read from then on by [`results::judge::baseline`].
 pub mod baseline {
-    pub use runner::baseline::{measured_metrics, program_titles, record};
+    pub use runner::baseline::{NotKept, against_baseline, measured_metrics, program_titles, record};
 }
 
 /// Cases that failed, kept in a file and run first from then on.
@@ -190,6 +190,11 @@ pub mod experiment {
 /// A failing case made as simple as it can be while it fails.
 pub mod shrink {
     pub use runner::shrink::{Knob, KnobPlace, Move, ShrinkError, Shrunk, shrink, unmoved};
+}
+
+/// One run made in two ways on the same noise, and where the two part.
+pub mod diff {
+    pub use runner::diff::{NoCounterpart, counterpart, two_runs};
 }
 
 /// The story of a run, and what would have come of it had something gone otherwise.

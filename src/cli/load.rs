@@ -7,7 +7,7 @@ use super::set::SetArguments;
 use files::Disk;
 use lang::Style;
 use report::console::stderr;
-use runner::project::{Notice, Project};
+use runner::project::{Notice, Problems, Project};
 use scenario::registry::Registry;
 
 /// Whether a word of the command line is meant as a file.
@@ -24,13 +24,7 @@ pub fn load_all(
     colour: bool,
     registry: &Registry,
 ) -> Result<Project, Exit> {
-    let options = set.options().map_err(|name| {
-        writeln!(stderr(), "error: `{name}` is set twice");
-        writeln!(stderr(), "help: leave out one of the two");
-        Exit::Usage
-    })?;
-    let options = options.seed(seed);
-    match Project::open_all(files, &options, registry, &Disk) {
+    match open_all(files, seed, set, registry)? {
         Ok(project) => {
             show(project.notices().iter().cloned(), colour);
             Ok(project)
@@ -40,6 +34,22 @@ pub fn load_all(
             Err(Exit::Scenario)
         }
     }
+}
+
+/// Loads, checks and plans every file, or finds all that is wrong with them; neither says anything. That something is set twice goes to
+/// stderr.
+pub fn open_all<P: AsRef<Path>>(
+    files: impl IntoIterator<Item = P>,
+    seed: Option<u64>,
+    set: &SetArguments,
+    registry: &Registry,
+) -> Result<Result<Project, Problems>, Exit> {
+    let options = set.options().map_err(|name| {
+        writeln!(stderr(), "error: `{name}` is set twice");
+        writeln!(stderr(), "help: leave out one of the two");
+        Exit::Usage
+    })?;
+    Ok(Project::open_all(files, &options.seed(seed), registry, &Disk))
 }
 
 /// Says on stderr what there is to say.

@@ -7,6 +7,7 @@ mod calibrate;
 mod check;
 mod compare;
 mod convert;
+mod diff;
 mod exit;
 mod experiment;
 mod explain;
@@ -115,6 +116,8 @@ enum Command {
     Replay(replay::ReplayArguments),
     /// Tell the story of one run, and what would have come of it had something gone otherwise.
     Why(why::WhyArguments),
+    /// Make one run with two controllers or two values, and tell where the two part.
+    Diff(Box<diff::DiffArguments>),
     /// Draw a scenario from above, before it runs or at moments of its run.
     Sketch(sketch::SketchArguments),
     /// Write a failing run as a small scenario file of its own, moved towards nominal values.
@@ -198,6 +201,7 @@ fn obey(cli: Cli, registry: &Registry) -> Exit {
         Some(Command::Validate(arguments)) => validate::run(&arguments),
         Some(Command::Replay(arguments)) => replay::replay(&arguments, registry),
         Some(Command::Why(arguments)) => why::why(&arguments, registry),
+        Some(Command::Diff(arguments)) => diff::diff(&arguments, registry),
         Some(Command::Sketch(arguments)) => sketch::sketch(&arguments, registry),
         Some(Command::Shrink(arguments)) => shrink::shrink(&arguments, registry),
         Some(Command::Allow(arguments)) => allow::allow(&arguments, registry),

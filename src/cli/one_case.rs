@@ -8,8 +8,8 @@ use super::Exit;
 use super::load;
 use super::programs::ProgramArguments;
 use super::set::SetArguments;
-use report::case_values;
 use report::console::stderr;
+use report::{case_values, count};
 use results::Requests;
 use runner::corpus;
 use runner::experiment::searched_case;
@@ -21,7 +21,7 @@ use scenario::registry::Registry;
 use scenario::{Case, Criterion, Scenario};
 
 #[derive(Debug, Args)]
-pub struct CaseArguments {
+pub struct KeyArguments {
     /// The run's key, as reports give it: `zebra/carla_walker/tta=6s/rep=2`.
     pub key: String,
 
@@ -31,13 +31,19 @@ pub struct CaseArguments {
 
     /// Replaces the seed of the suite.
     #[arg(long, value_name = "SEED")]
-    seed: Option<u64>,
-
-    #[command(flatten)]
-    set: SetArguments,
+    pub seed: Option<u64>,
 
     #[command(flatten)]
     pub programs: ProgramArguments,
+}
+
+#[derive(Debug, Args)]
+pub struct CaseArguments {
+    #[command(flatten)]
+    pub run: KeyArguments,
+
+    #[command(flatten)]
+    set: SetArguments,
 }
 
 /// The run that was asked for.
@@ -59,20 +65,38 @@ impl FoundCase<'_> {
 
     /// What the run has of its own, in the units that it is written in, and what was set.
     pub fn values(&self) -> Vec<(String, String)> {
-        let suite = &self.suite.suite;
-        let scenario = suite.scenarios.iter().find(|scenario| scenario.name == self.case.scenario);
-        let mut values = scenario.map_or_else(Vec::new, |scenario| case_values(&self.case, scenario));
-        values.extend(suite.set.iter().map(|set| ("set".to_string(), set.clone())));
-        values
+        values(self.suite, &self.case)
     }
+}
+
+/// What a run of a suite has of its own, in the units that it is written in, and what was set.
+pub fn values(suite: &PlannedSuite, case: &Case) -> Vec<(String, String)> {
+    let suite = &suite.suite;
+    let scenario = suite.scenarios.iter().find(|scenario| scenario.name == case.scenario);
+    let mut values = scenario.map_or_else(Vec::new, |scenario| case_values(case, scenario));
+    values.extend(suite.set.iter().map(|set| ("set".to_string(), set.clone())));
+    values
 }
 
 impl CaseArguments {
     /// The suites in which the run is to be found; what is wrong goes to stderr. `command` is what was asked for.
     pub fn load(&self, command: &str, registry: &Registry) -> Result<Project, Exit> {
-        let files = match &self.files[..] {
+        let files = self.run.files(command)?;
+        load::load_all(&files.iter().collect::<Vec<_>>(), self.run.seed, &self.set, false, registry)
+    }
+
+    /// The run of that key; if there is none, says so on stderr.
+    pub fn find<'a>(&self, suites: &'a [PlannedSuite]) -> Result<FoundCase<'a>, Exit> {
+        self.run.find(suites)
+    }
+}
+
+impl KeyArguments {
+    /// The files in which the run is to be found; if none is known, says so on stderr. `command` is what was asked for.
+    pub fn files(&self, command: &str) -> Result<Vec<String>, Exit> {
+        match &self.files[..] {
             [] => match default_file(&self.key) {
-                Some(file) => vec![file],
+                Some(file) => Ok(vec![file]),
                 None => {
                     writeln!(
                         stderr(),
@@ -83,65 +107,81 @@ impl CaseArguments {
                         stderr(),
                         "help: name it, as in `scenario-runner {command} KEY suites/zebra.suite`"
                     );
-                    return Err(Exit::Usage);
+                    Err(Exit::Usage)
                 }
             },
-            files => files.to_vec(),
-        };
-        load::load_all(&files.iter().collect::<Vec<_>>(), self.seed, &self.set, false, registry)
+            files => Ok(files.to_vec()),
+        }
     }
 
     /// The run of that key: one of the plan, or a recorded one by the key of its unit. If there is none, says so on
     /// stderr.
     pub fn find<'a>(&self, suites: &'a [PlannedSuite]) -> Result<FoundCase<'a>, Exit> {
+        if let Some(found) = look_for(&self.key, suites) {
+            return found;
+        }
         let key = &self.key;
-        let units = units(suites);
-        let recorded = (0..units.len()).filter(|unit| matches!(units.kind(*unit), UnitKind::Recorded));
-        for unit in recorded.map(|unit| units.get(unit)).filter(|unit| unit.key == *key) {
-            if let Work::Recorded(recorded) = &unit.work {
-                let suite = &suites[unit.suite];
-                let revived = corpus::revive(recorded, &suite.suite)
-                    .and_then(|case| Ok((case, corpus::criteria(recorded, &suite.suite)?)));
-                let (case, criteria) = revived.map_err(|stale| {
-                    writeln!(stderr(), "error: `{key}` cannot be run any more: {stale}");
-                    Exit::NothingSelected
-                })?;
-                return Ok(FoundCase { suite, case: Case { key: key.clone(), ..case }, criteria });
-            }
-        }
-        let trials = || suites.iter().flat_map(|suite| suite.plan.trials().map(move |one| (suite, one)));
-        let named = |(suite, trial): (&'a PlannedSuite, PlannedTrial)| {
-            let case = trial.cases.named(key)?;
-            Some(FoundCase { suite, case, criteria: trial.criteria.clone() })
-        };
-        if let Some(found) = trials().find_map(named) {
-            return Ok(found);
-        }
-        // A scenario that only an estimate is of has no trials of its own.
-        let mut supporting =
-            suites.iter().flat_map(|suite| suite.suite.supporting.iter().map(move |one| (suite, one)));
-        let of = |(suite, scenario): (&'a PlannedSuite, &'a Scenario)| {
-            let plan = plan_scenario(&suite.suite, scenario).ok()?;
-            plan.trials().find_map(|trial| named((suite, trial)))
-        };
-        if let Some(found) = key.contains("/u=").then(|| supporting.find_map(of)).flatten() {
-            return Ok(found);
-        }
-        // A run of an evaluation of a search, which no trial has.
-        let searched = |suite: &'a PlannedSuite| Some((suite, searched_case(&suite.suite, key)?));
-        if let Some((suite, case)) = suites.iter().find_map(searched) {
-            return Ok(FoundCase { suite, case, criteria: Vec::new() });
-        }
         writeln!(stderr(), "error: no run is called `{key}`");
+        let mut trials = suites.iter().flat_map(|suite| suite.plan.trials());
+        if let Some(trial) = trials.find(|trial| trial.key == *key) {
+            let runs = count(trial.cases.len(), "run");
+            writeln!(stderr(), "help: it is a trial of {runs}; name one, such as `{}`", trial.cases.key(0));
+            return Err(Exit::NothingSelected);
+        }
         let similarity = |known: &str| (strsim::normalized_levenshtein(known, key) * 1e6) as u64;
-        let keys =
-            trials().flat_map(|(_, trial)| (0..trial.cases.len()).map(move |run| trial.cases.key(run)));
+        let trials = suites.iter().flat_map(|suite| suite.plan.trials());
+        let keys = trials
+            .flat_map(|trial| (0..trial.cases.len()).map(|run| trial.cases.key(run)).collect::<Vec<_>>());
         let nearest = keys.max_by_key(|known| similarity(known));
         if let Some(nearest) = nearest {
             writeln!(stderr(), "help: the nearest name is `{nearest}`");
         }
         Err(Exit::NothingSelected)
     }
+}
+
+/// The run of that key; `None` if there is none. An error is one of a run that cannot be made any more, of which stderr was told.
+pub fn look_for<'a>(key: &str, suites: &'a [PlannedSuite]) -> Option<Result<FoundCase<'a>, Exit>> {
+    let units = units(suites);
+    let recorded = (0..units.len()).filter(|unit| matches!(units.kind(*unit), UnitKind::Recorded));
+    for unit in recorded.map(|unit| units.get(unit)).filter(|unit| unit.key == key) {
+        if let Work::Recorded(recorded) = &unit.work {
+            let suite = &suites[unit.suite];
+            let revived = corpus::revive(recorded, &suite.suite)
+                .and_then(|case| Ok((case, corpus::criteria(recorded, &suite.suite)?)));
+            return Some(match revived {
+                Ok((case, criteria)) => {
+                    Ok(FoundCase { suite, case: Case { key: key.to_string(), ..case }, criteria })
+                }
+                Err(stale) => {
+                    writeln!(stderr(), "error: `{key}` cannot be run any more: {stale}");
+                    Err(Exit::NothingSelected)
+                }
+            });
+        }
+    }
+    let trials = || suites.iter().flat_map(|suite| suite.plan.trials().map(move |one| (suite, one)));
+    let named = |(suite, trial): (&'a PlannedSuite, PlannedTrial)| {
+        let case = trial.cases.named(key)?;
+        Some(FoundCase { suite, case, criteria: trial.criteria.clone() })
+    };
+    if let Some(found) = trials().find_map(named) {
+        return Some(Ok(found));
+    }
+    // A scenario that only an estimate is of has no trials of its own.
+    let mut supporting =
+        suites.iter().flat_map(|suite| suite.suite.supporting.iter().map(move |one| (suite, one)));
+    let of = |(suite, scenario): (&'a PlannedSuite, &'a Scenario)| {
+        let plan = plan_scenario(&suite.suite, scenario).ok()?;
+        plan.trials().find_map(|trial| named((suite, trial)))
+    };
+    if let Some(found) = key.contains("/u=").then(|| supporting.find_map(of)).flatten() {
+        return Some(Ok(found));
+    }
+    // A run of an evaluation of a search, which no trial has.
+    let searched = |suite: &'a PlannedSuite| Some((suite, searched_case(&suite.suite, key)?));
+    let (suite, case) = suites.iter().find_map(searched)?;
+    Some(Ok(FoundCase { suite, case, criteria: Vec::new() }))
 }
 
 /// Says on stderr why a run has no outcome; how the program ends then.

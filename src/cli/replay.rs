@@ -54,7 +54,7 @@ struct Expected {
 fn replay_case(arguments: &ReplayArguments, found: &FoundCase, registry: &Registry) -> Result<Exit, Exit> {
     let FoundCase { suite, case, .. } = found;
     let (threads, measured, stop) = (
-        arguments.case.programs.threads(Some(1), [&suite.suite])?,
+        arguments.case.run.programs.threads(Some(1), [&suite.suite])?,
         MeasuredMetrics::new(found.requests(registry)),
         Stop::default(),
     );

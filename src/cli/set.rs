@@ -29,6 +29,11 @@ pub struct SetArguments {
 }
 
 impl SetArguments {
+    /// These values and controllers.
+    pub fn of(set: Vec<Override>, controller: Vec<Replacement>, uses: Vec<PathBuf>) -> Self {
+        Self { set, repeat: None, controller, uses }
+    }
+
     pub fn is_empty(&self) -> bool {
         self.set.is_empty() && self.repeat.is_none() && self.controller.is_empty() && self.uses.is_empty()
     }

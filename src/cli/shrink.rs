@@ -68,7 +68,7 @@ pub fn shrink(arguments: &ShrinkArguments, registry: &Registry) -> Exit {
     let result = arguments.case.load("shrink", registry).and_then(|project| {
         let found = arguments.case.find(project.suites())?;
         // Each run decides which is next.
-        let threads = arguments.case.programs.threads(Some(1), [&found.suite.suite])?;
+        let threads = arguments.case.run.programs.threads(Some(1), [&found.suite.suite])?;
         let criterion = choose(arguments, &found, registry, &threads)?;
         shrink_found(arguments, &found, &criterion, registry, &threads)
     });
@@ -83,7 +83,7 @@ fn choose(
     registry: &Registry,
     threads: &Threads,
 ) -> Result<PerRun, Exit> {
-    let key = &arguments.case.key;
+    let key = &arguments.case.run.key;
     let mut criteria: Vec<PerRun> = found.criteria.iter().filter_map(per_run).collect();
     if let Some(words) = &arguments.criterion {
         criteria.retain(|one| one.criterion.text.contains(words));

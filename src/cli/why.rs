@@ -60,7 +60,7 @@ fn tell(arguments: &WhyArguments, found: &FoundCase, registry: &Registry) -> Res
         })
     });
     let results = results.transpose()?;
-    let threads = arguments.case.programs.threads(Some(1), [&suite.suite])?;
+    let threads = arguments.case.run.programs.threads(Some(1), [&suite.suite])?;
     let (measured, stop) = (MeasuredMetrics::new(found.requests(registry)), Stop::default());
     let batch = RunBatch { executor: &threads, measured: &measured, stop: &stop };
     let story = match story(batch, case, criteria) {

@@ -31,6 +31,11 @@ impl fmt::Display for Override {
 }
 
 impl Override {
+    /// Whether it stands for all the values of a variation.
+    pub fn is_list(&self) -> bool {
+        self.is_list
+    }
+
     /// `repeat` for every scenario.
     pub fn repeat(times: u32) -> Self {
         Self { name: REPEAT.to_string(), value: times.to_string(), is_list: false }

@@ -14,6 +14,7 @@ mod controllers;
 mod csv;
 #[cfg(test)]
 mod cut_off_tests;
+mod diff;
 mod digest;
 mod drawing;
 mod estimation;
@@ -63,6 +64,9 @@ pub use baseline::{Form, render_baseline, render_difference, render_sight};
 pub use calibration::{draw_calibration, render_calibrate};
 pub use controllers::render_controllers;
 pub use csv::write_csv;
+pub use diff::{
+    BaselineDiff, DiffSide, RunDiff, baseline_diff_json, diff_json, render_baseline_diff, render_diff,
+};
 pub use drawing::{AfterTheEnd, Sketch};
 pub use estimation::{draw_estimate, render_estimate};
 pub use evaluation::render_evaluate;

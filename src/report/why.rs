@@ -34,7 +34,7 @@ pub struct WhyRun<'a> {
 
 /// How a run stands to what is asked of it.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Standing {
+pub(super) enum Standing {
     Failed,
     SpokenAgainst,
     CutOff,
@@ -43,7 +43,7 @@ enum Standing {
 }
 
 impl Standing {
-    fn of(reasons: &[RunReason], outcome: &Outcome) -> Self {
+    pub fn of(reasons: &[RunReason], outcome: &Outcome) -> Self {
         if reasons.iter().any(RunReason::fails) {
             Self::Failed
         } else if reasons.iter().any(|reason| !reason.fulfils()) {
@@ -57,7 +57,7 @@ impl Standing {
         }
     }
 
-    fn word(self) -> &'static str {
+    pub fn word(self) -> &'static str {
         match self {
             Self::Failed => "failed",
             Self::SpokenAgainst => "spoken_against",
@@ -101,11 +101,7 @@ pub fn render_why(run: &WhyRun) -> String {
     values.push(format!("seed {}", case.seed));
     line(&format!("  with {}", values.join(", ")));
     course(run, moment(story, &reasons)).iter().for_each(|said| line(&format!("  {said}")));
-    let reason = match story.outcome.ending.reason {
-        StopReason::Completed => "everybody has passed",
-        StopReason::Collision => "the run ends at the collision",
-        StopReason::Horizon => "time is up",
-    };
+    let reason = ending_words(story.outcome.ending.reason);
     line(&format!("  {:>7.2} s  {reason}{}", story.outcome.ending.time, cut_off(&story.outcome)));
     for reason in &reasons {
         line(&format!("  {} `{}`: {}", reason.verb, reason.criterion, reason.words));
@@ -121,8 +117,17 @@ pub fn render_why(run: &WhyRun) -> String {
     text
 }
 
+/// Why a run ends.
+pub(super) fn ending_words(reason: StopReason) -> &'static str {
+    match reason {
+        StopReason::Completed => "everybody has passed",
+        StopReason::Collision => "the run ends at the collision",
+        StopReason::Horizon => "time is up",
+    }
+}
+
 /// `; not over for walker` of a run that was cut off.
-fn cut_off(outcome: &Outcome) -> String {
+pub(super) fn cut_off(outcome: &Outcome) -> String {
     let Some(cut_off) = &outcome.cut_off else { return String::new() };
     let who: Vec<&str> = cut_off.stranded.iter().map(|one| &**one).collect();
     match who.is_empty() {

@@ -22,6 +22,7 @@ mod gate;
 pub mod judge;
 mod outcome;
 mod overall;
+mod parting;
 mod places;
 mod rating;
 mod recorded;
@@ -72,6 +73,10 @@ pub use gate::{
 };
 pub use outcome::{ByMetric, Critical, CutOff, OnCourse, Outcome, Unfinished};
 pub use overall::Overall;
+pub use parting::{
+    AgainstBaseline, Doing, InBoth, MetricThen, OneOfTwo, PARTED_LENGTH, PARTED_SPEED, PartedIn, Parting,
+    PartsBy, SharedMoment, TwoRuns,
+};
 pub use places::Place;
 pub use rating::{
     CellWorth, EarnedPoints, NotRated, PointsFinding, RatedCell, RatingReport, RatingResult, RatingState,

@@ -4,12 +4,13 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 use sha2::{Digest, Sha256};
+use thiserror::Error;
 
 use crate::plan::{Plan, PlannedTrial};
 use crate::run::{Executor, departures, nothing_is_drawn};
 use results::judge::baseline::{Baseline, Parts, RecordedMetric, RecordedTrial, TestedVehicle};
 use results::judge::gate::vehicle_changes;
-use results::{Outcome, Requests};
+use results::{AgainstBaseline, MetricThen, Outcome, Requests};
 use scenario::registry::Registry;
 use scenario::{
     ANOTHER_MODEL, Case, DeclaredProgram, MetricKind, MetricReference, PedestrianSetup, Road, Suite,
@@ -25,8 +26,7 @@ pub fn record(plan: &Plan, trials: &[(&PlannedTrial, &[Outcome])], requests: &Re
     outcomes.sort_by(|left, right| left.0.key.cmp(&right.0.key));
     let mut recorded = frame(plan, outcomes.iter().map(|(trial, _)| *trial), requests);
     for (index, (_, outcomes)) in outcomes.iter().enumerate() {
-        let fingerprints: Vec<u64> = outcomes.iter().map(|outcome| outcome.fingerprint).collect();
-        recorded.trials[index].fingerprint = hash(&fingerprints, 16);
+        recorded.trials[index].fingerprint = courses(*outcomes);
         for (run, outcome) in outcomes.iter().enumerate() {
             record_outcome(&mut recorded, (index, run), outcome, requests);
         }
@@ -77,15 +77,9 @@ pub fn frame<'t>(
             scenario: trial.scenario.clone(),
             certain: nothing_is_drawn(&trial.cases),
             fingerprint: String::new(),
-            seeds: Some(hash(&trial.cases.iter().map(|case| case.seed).collect::<Vec<_>>(), 12)),
+            seeds: Some(seeds(trial)),
             warnings: departures(trial),
-            parts: match middle {
-                Some(middle) => Parts {
-                    simulation: hash(&(trial.cases.declared_draws(), simulation(&middle.world)), 12),
-                    ..parts(&[Case { individuals: Vec::new(), ..middle }])
-                },
-                None => parts(&trial.cases.iter().collect::<Vec<_>>()),
-            },
+            parts: trial_parts(trial, middle),
             vehicles: place,
             runs: (0..trial.cases.len()).map(label).collect(),
             values: vec![vec![None; trial.cases.len()]; requests.iter().count()],
@@ -105,6 +99,98 @@ pub fn frame<'t>(
         vehicles,
         trials: recorded,
     }
+}
+
+/// Changes when any bit of any run's course does.
+fn courses<'o>(outcomes: impl IntoIterator<Item = &'o Outcome>) -> String {
+    hash(&outcomes.into_iter().map(|outcome| outcome.fingerprint).collect::<Vec<_>>(), 16)
+}
+
+/// Changes when the seed of any run does.
+fn seeds(trial: &PlannedTrial) -> String {
+    hash(&trial.cases.iter().map(|case| case.seed).collect::<Vec<_>>(), 12)
+}
+
+/// What decides a trial's runs besides what is tested; of drawn runs the one in the middle stands for all.
+fn trial_parts(trial: &PlannedTrial, middle: Option<Case>) -> Parts {
+    match middle {
+        Some(middle) => Parts {
+            simulation: hash(&(trial.cases.declared_draws(), simulation(&middle.world)), 12),
+            ..parts(&[Case { individuals: Vec::new(), ..middle }])
+        },
+        None => parts(&trial.cases.iter().collect::<Vec<_>>()),
+    }
+}
+
+/// Why a run cannot be laid beside what a baseline keeps.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum NotKept {
+    /// It is of another suite.
+    #[error("it is the baseline of the suite `{0}`")]
+    Suite(String),
+    /// It has no such run.
+    #[error("it has no run `{0}`")]
+    Run(String),
+    /// The run has another seed now.
+    #[error("its runs of `{trial}` have other seeds than now: the suite's was {seed}")]
+    Noise {
+        /// The trial's name.
+        trial: String,
+        /// The seed of the suite then.
+        seed: u64,
+    },
+}
+
+/// A run of a trial, laid beside what a baseline keeps of it; `outcome` is what it came to now.
+///
+/// # Errors
+/// If the baseline does not have it, or not on the same noise.
+pub fn against_baseline(
+    baseline: &Baseline,
+    suite: &str,
+    trial: &PlannedTrial,
+    outcome: &Outcome,
+    requests: &Requests,
+) -> Result<AgainstBaseline, NotKept> {
+    if baseline.suite != suite {
+        return Err(NotKept::Suite(baseline.suite.clone()));
+    }
+    let place = baseline.trials.iter().find_map(|kept| {
+        let run = (0..kept.runs.len()).find(|run| baseline.run_key(kept, *run) == outcome.key)?;
+        Some((kept, run))
+    });
+    let (kept, run) = place.ok_or_else(|| NotKept::Run(outcome.key.clone()))?;
+    if !kept.certain && kept.seeds.as_ref().is_some_and(|kept| *kept != seeds(trial)) {
+        return Err(NotKept::Noise { trial: trial.key.clone(), seed: baseline.seed });
+    }
+    let middle = trial.cases.middle();
+    let tested = tested_vehicles(middle.as_ref().unwrap_or(&trial.cases.first()));
+    let (then, now) = (&kept.parts, trial_parts(trial, middle));
+    let mut differs: Vec<String> = Vec::new();
+    let before = &baseline.vehicles[kept.vehicles];
+    if before.len() != tested.len() {
+        differs.push(format!("{} vehicles -> {}", before.len(), tested.len()));
+    }
+    for (before, after) in before.iter().zip(&tested) {
+        differs.extend(vehicle_changes(before, after).iter().map(ToString::to_string));
+    }
+    differs.extend(part_words(then, &now));
+    let mut metrics = Vec::new();
+    let mut new = Vec::new();
+    for (index, reference) in requests.iter().enumerate() {
+        let known = metric(reference);
+        match baseline.metrics.iter().position(|one| one.is_as(&known)) {
+            Some(row) => metrics.push(MetricThen {
+                index,
+                then: kept.values[row][run],
+                now: outcome.metrics[index].map(rounded),
+            }),
+            None => new.push(known.label),
+        }
+    }
+    let same_course = (kept.runs.len() == 1).then(|| kept.fingerprint == courses([outcome]));
+    Ok(AgainstBaseline { differs, same_course, metrics, new })
 }
 
 /// Which versions those populations are that ship.
@@ -247,7 +333,12 @@ pub fn differences(before: &Case, after: &Case) -> Vec<String> {
         found.extend(vehicle_changes(before, after).iter().map(ToString::to_string));
     }
     let one_of = |case: &Case| parts(std::slice::from_ref(case));
-    let (before, after) = (one_of(before), one_of(after));
+    found.extend(part_words(&one_of(before), &one_of(after)));
+    found
+}
+
+/// What is not the same of what stands around the tested vehicles.
+fn part_words(before: &Parts, after: &Parts) -> impl Iterator<Item = String> + use<> {
     let rest = [
         ("the road", before.road != after.road),
         ("pedestrians", before.pedestrians != after.pedestrians),
@@ -255,8 +346,7 @@ pub fn differences(before: &Case, after: &Case) -> Vec<String> {
         ("how fast vehicles drive and from where", before.traffic != after.traffic),
         ("how long and in which steps is simulated", before.simulation != after.simulation),
     ];
-    found.extend(rest.into_iter().filter(|(_, differs)| *differs).map(|(what, _)| what.to_string()));
-    found
+    rest.into_iter().filter(|(_, differs)| *differs).map(|(what, _)| what.to_string())
 }
 
 /// How a world is simulated, and until when.

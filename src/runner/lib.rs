@@ -10,6 +10,7 @@
 
 pub mod baseline;
 pub mod corpus;
+pub mod diff;
 pub mod experiment;
 pub mod plan;
 pub mod project;

@@ -96,9 +96,18 @@ fn first_seen(case: &Case, events: &[TimelineEvent], trace: &Trace) -> Vec<First
 
 /// The first contact of a vehicle.
 fn first_contact(case: &Case, events: &[TimelineEvent], trace: &Trace) -> Option<ContactMoment> {
+    contacts(case, events, trace).next()
+}
+
+/// Every contact of a vehicle, in the order of time.
+pub(crate) fn contacts<'r>(
+    case: &'r Case,
+    events: &'r [TimelineEvent],
+    trace: &'r Trace,
+) -> impl Iterator<Item = ContactMoment> + use<'r> {
     let world = &case.world;
     let vehicle = |name: &str| world.vehicles.iter().position(|car| car.name == name);
-    events.iter().find_map(|event| {
+    events.iter().filter_map(move |event| {
         let Happening::Collides { with, relative_speed } = &event.what else { return None };
         let (car, other) = match (vehicle(&event.who), vehicle(with)) {
             (Some(car), _) => (car, with),

@@ -3,6 +3,7 @@
 mod bugs;
 mod cli;
 mod contacts;
+mod diff;
 mod drawn;
 mod estimates;
 #[cfg(unix)]

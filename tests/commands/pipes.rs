@@ -51,12 +51,15 @@ tune braking {
 ";
 
 /// Every command that there is, in most of the ways in which it can end.
-const COMMANDS: [&[&str]; 68] = [
+const COMMANDS: [&[&str]; 71] = [
     &["small.suite"],
     &["run", "small.suite", "calm"],
     &["small.suite", "calm", "--color", "always", "--status-level", "all"],
     &["small.suite", "rough", "--github"],
     &["small.suite", "--status-level", "none", "--no-progress"],
+    &["small.suite", "--status-level", "dot"],
+    &["diff", "small/calm/tta=1s/rep=1", "small.suite", "--set", "tta=1s,2s"],
+    &["diff", "small/calm/tta=1s/rep=1", "small.suite", "--set", "tta=3s"],
     &["small.suite", "rough", "--fail-fast", "--test-threads", "1"],
     &["small.suite", "rough", "--record-failures"],
     &[

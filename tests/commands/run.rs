@@ -241,6 +241,41 @@ fn the_status_level_says_who_gets_a_line() {
     assert_eq!(lines("skip").len(), 1, "what was not selected is not listed line by line");
 }
 
+/// One character for each unit, in rows that carry how many are done, and what failed below them as without.
+#[test]
+fn every_unit_has_its_dot() {
+    let place = Place::new("");
+    let suite = format!("suite bad {{ scenarios \"{}\" }}", shipped("unsafe/stands_in_lane"));
+    place.write("bad.suite", &suite);
+    let run =
+        |arguments: &[&str]| stdout(&place.run(&[arguments, &["-j", "1", "--status-level", "dot"]].concat()));
+    let rows = |said: &str| -> Vec<String> {
+        let is_row = |line: &&str| {
+            line.ends_with(']') && line.len() == 80 && line.starts_with(['.', 'F', '?', 's', 'E', '-'])
+        };
+        said.lines().filter(is_row).map(str::to_string).collect()
+    };
+    let passed = run(&["small.suite"]);
+    let units =
+        stdout(&place.run(&["small.suite", "--list"])).lines().filter(|line| line.contains('/')).count();
+    let [row] = &rows(&passed)[..] else { panic!("{passed}") };
+    let marks: String = row.chars().take_while(|mark| *mark != ' ').collect();
+    assert_eq!(marks.len(), units, "{passed}");
+    assert!(row.ends_with(&format!(" [{units}/{units}]")), "{row}");
+    let failed = run(&["bad.suite", "--fail-fast"]);
+    let [row] = &rows(&failed)[..] else { panic!("{failed}") };
+    assert!(row.starts_with("Fss "), "a failure is no dot, and what was not run is not either: {failed}");
+    // What is told below the rows is what is told where units have no lines.
+    let without = stdout(&place.run(&["bad.suite", "--fail-fast", "-j", "1", "--status-level", "none"]));
+    let timeless = |said: &str| -> Vec<String> {
+        said.lines().filter(|line| !line.contains("[ ")).map(str::to_string).collect()
+    };
+    let told = timeless(&failed);
+    for line in timeless(&without).iter().filter(|line| !line.is_empty()) {
+        assert!(told.contains(line), "`{line}` is missing: {failed}");
+    }
+}
+
 #[test]
 fn nothing_selected_is_an_error_unless_told_otherwise() {
     let place = Place::new("");

@@ -193,13 +193,18 @@ struct ShownLevel(StatusLevel);
 
 impl ValueEnum for ShownLevel {
     fn value_variants<'a>() -> &'a [Self] {
-        use StatusLevel::{All, Fail, None, Pass, Skip, Slow};
-        &[Self(None), Self(Fail), Self(Slow), Self(Pass), Self(Skip), Self(All)]
+        use StatusLevel::{All, Dot, Fail, None, Pass, Skip, Slow};
+        &[Self(None), Self(Dot), Self(Fail), Self(Slow), Self(Pass), Self(Skip), Self(All)]
     }
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
         let (name, help) = match self.0 {
             StatusLevel::None => ("none", "No lines, only failures and the summary at the end"),
+            StatusLevel::Dot => (
+                "dot",
+                "No lines, but a character each: `.` passed, `F` failed, `?` inconclusive, `E` could not be run, `T` time limit, `i` \
+                 interrupted, `s` skipped, `-` not judged",
+            ),
             StatusLevel::Fail => ("fail", "Those that did not pass"),
             StatusLevel::Slow => ("slow", "And, once a minute, those that take long"),
             StatusLevel::Pass => ("pass", "And those that passed"),

@@ -36,6 +36,8 @@ pub struct Terminal {
     running: BTreeMap<usize, Running>,
     /// What did not pass, in order.
     bad: Vec<Bad>,
+    /// What is said when all units are done.
+    later: Vec<String>,
 }
 
 /// How often it is looked whether something has to be redrawn or is slow.
@@ -59,13 +61,15 @@ impl Terminal {
         Self {
             out,
             level,
-            live,
+            // A row that is not full has no line of its own yet, above which something else could change.
+            live: live.filter(|_| level != StatusLevel::Dot),
             lines: Lines::new(colour),
             begun: now,
             looked: now,
             tally: Tally::default(),
             running: BTreeMap::new(),
             bad: Vec::new(),
+            later: Vec::new(),
         }
     }
 
@@ -97,13 +101,7 @@ impl Terminal {
 
     fn finish(&mut self, unit: usize, suite: &SuiteIdentity, report: &UnitReport) {
         self.running.remove(&unit);
-        self.tally.units_done += 1;
-        if let UnitReport::Trial(trial) = report
-            && trial.stopping().is_some()
-        {
-            // Those that it did not take will not come any more.
-            self.tally.outline.runs -= trial.trial.runs - trial.made();
-        }
+        self.tally.finish(report);
         let standing = report.standing();
         self.tally.failures += usize::from(standing.is_failure());
         let said = format!("{}{}", report.key(), remark(report));
@@ -112,12 +110,21 @@ impl Terminal {
         if shown {
             self.lines.say(&line);
         }
+        if self.level == StatusLevel::Dot {
+            let outline = &self.tally.outline;
+            let all = outline.recorded + outline.trials + outline.blocks;
+            self.lines.mark(status::mark(standing), self.tally.units_done, all);
+        }
         if let UnitReport::Trial(trial) = report
             && self.level > StatusLevel::None
         {
             for warning in trial_warnings(trial) {
                 let said = format!("{}: {warning}", report.key());
-                self.lines.say(&status::line("WARN", status::DOUBTFUL, None, &said, self.lines.colour));
+                let line = status::line("WARN", status::DOUBTFUL, None, &said, self.lines.colour);
+                match self.level {
+                    StatusLevel::Dot => self.later.push(line),
+                    _ => self.lines.say(&line),
+                }
             }
         }
         if !matches!(standing, Standing::Skipped | Standing::NotJudged | Standing::Judged(Verdict::Passed)) {
@@ -193,14 +200,14 @@ impl Reporter for Terminal {
                 self.running.insert(*unit, Running::new(key, *runs));
             }
             Event::RunDone { unit } => {
-                self.tally.runs_done += 1;
+                self.tally.run_done(self.begun.elapsed());
                 if let Some(running) = self.running.get_mut(unit) {
                     running.runs_done += 1;
                 }
             }
             Event::Evaluated { unit, evaluations } => {
                 if let Some(running) = self.running.get_mut(unit) {
-                    running.evaluations = Some(*evaluations);
+                    running.evaluated(*evaluations, running.begun.elapsed());
                 }
             }
             Event::Finished { unit, suite, report } => self.finish(*unit, suite, report),
@@ -210,6 +217,8 @@ impl Reporter for Terminal {
                 if let Some(live) = self.live.take() {
                     live.clear();
                 }
+                self.lines.end_row();
+                std::mem::take(&mut self.later).iter().for_each(|line| self.lines.say(line));
                 self.lines.end(&self.bad, reports, requests, *elapsed);
             }
         }

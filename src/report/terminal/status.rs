@@ -13,6 +13,8 @@ use results::{CutBy, Skip, Standing, Verdict};
 pub enum StatusLevel {
     /// No unit.
     None,
+    /// No unit by itself: one character for each, in rows.
+    Dot,
     /// Those that failed, could not be run, are inconclusive, or miss what they need.
     Fail,
     /// And those that take long.
@@ -56,6 +58,20 @@ pub fn unit_line(standing: Standing, took: Duration, said: &str, colour: bool) -
         _ => seconds(took),
     };
     line(verb, style, Some(&time), said, colour)
+}
+
+/// What stands for a unit where each has one character.
+pub fn mark(standing: Standing) -> (char, Style) {
+    match standing {
+        Standing::Judged(Verdict::Passed) => ('.', GOOD),
+        Standing::Judged(Verdict::Failed) => ('F', BAD),
+        Standing::Judged(Verdict::Inconclusive) => ('?', DOUBTFUL),
+        Standing::NotJudged => ('-', DOUBTFUL),
+        Standing::Skipped => ('s', DOUBTFUL),
+        Standing::NotFinished(CutBy::Interrupted) => ('i', DOUBTFUL),
+        Standing::NotFinished(CutBy::TimeLimit) => ('T', BAD),
+        Standing::Errored => ('E', BAD),
+    }
 }
 
 /// A unit that has taken longer than `than` and is still running.

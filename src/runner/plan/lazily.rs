@@ -410,6 +410,31 @@ impl Cases {
         }
     }
 
+    /// The run of that name as it is with another seed: all that is drawn is drawn anew from that. `None` if there is none, or it is at a
+    /// point of its own.
+    pub fn named_with_seed(&self, key: &str, seed: u64) -> Option<Result<Case, PlanError>> {
+        let index = (0..self.len()).find(|index| self.key(*index) == key)?;
+        let planned = match &self.0 {
+            Source::Planned(planned) => planned,
+            Source::Listed(listed) => return Some(Ok(Case { seed, ..listed[index].clone() })),
+        };
+        let run = match &planned.of.0.draws {
+            None => {
+                let (individuals, world) =
+                    (planned.fixed(index).to_vec(), planned.world(planned.place(index).0));
+                DrawnRun { drawn: Vec::new(), individuals, world }
+            }
+            Some(draws) => {
+                let (scenario, variables) = (planned.of.scenario(), variables(&planned.trial.variation));
+                match draws.run(scenario, &variables, planned.fixed(index), seed) {
+                    Ok((_, run)) => run,
+                    Err(error) => return Some(Err(error.in_case(key))),
+                }
+            }
+        };
+        Some(Ok(planned.drawn_case(key.to_string(), seed, index, run)))
+    }
+
     fn named_at(&self, run: &str, point: &str) -> Option<Case> {
         let index = (0..self.len()).rev().find(|index| self.key(*index) == run)?;
         let point: Vec<f64> = point.split(',').map(|share| share.parse().ok()).collect::<Option<_>>()?;

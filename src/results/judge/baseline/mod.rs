@@ -70,7 +70,7 @@ pub struct RecordedMetric {
 
 impl RecordedMetric {
     /// Whether both are of one metric, measured alike: a parameter that one of them does not name is what it was before it could be set.
-    pub(super) fn is_as(&self, other: &Self) -> bool {
+    pub fn is_as(&self, other: &Self) -> bool {
         let entry = self.name.known().or(other.name.known());
         let parameters = entry.map_or(&[][..], |metric| &metric.declaration.parameters);
         let completed = |metric: &Self| {
