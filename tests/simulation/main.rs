@@ -10,6 +10,7 @@ mod commotions_world;
 mod comparing;
 mod course;
 mod cyclists;
+mod details;
 mod draws;
 mod estimating;
 mod executors;

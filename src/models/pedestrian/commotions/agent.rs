@@ -66,7 +66,9 @@ pub struct AgentDecision {
 /// What went on in an agent's mind at its last decision, for inspection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Thoughts {
-    /// The other that decided, as perceived.
+    /// The number of the other that decided.
+    pub other: usize,
+    /// That one, as perceived.
     pub percept: Percept,
     /// P(b|j) of that one.
     pub probabilities: PerBehaviour,
@@ -215,7 +217,8 @@ impl CommotionsAgent {
         }
         (self.met, self.decided) = (Some(met), true);
         let Other { percept, probabilities, .. } = self.others[met];
-        self.thoughts = Some(Thoughts { percept, probabilities, estimates: *self.decider.estimates() });
+        self.thoughts =
+            Some(Thoughts { other: met, percept, probabilities, estimates: *self.decider.estimates() });
         Some(AgentDecision { acceleration: self.plan.end_step(), action })
     }
 

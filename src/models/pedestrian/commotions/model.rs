@@ -1,8 +1,10 @@
 //! The COMMOTIONS pedestrian as a registered model: its declaration, and what stands between the world and the agents.
 
+use super::action::{ACTION_SIZES, NO_ACTION};
 use super::agent::{CommotionsAgent, ConflictState, Rules, Sight};
 use super::following;
 use super::parameters::{Parameters, individual_ranges, parameters};
+use super::prediction::{BEHAVIOUR_LIST, Behaviour};
 use super::state::{AgentBody, Control, State};
 use super::variant::{Accumulation, Variant, VariantError};
 use crate::pedestrian::across::check_across;
@@ -13,8 +15,8 @@ use scenario::{Conflict, ConflictArea, Declaration, Dimension, Road, Settings, S
 use sim::random::{self, Purpose};
 use sim::sight::sees_vehicle;
 use sim::{
-    Longitudinal, Mode, ModelError, Motion, Pedestrian, PedestrianState, Scene, Stated, StatedBy,
-    VehicleState,
+    Longitudinal, Mode, ModelError, ModelState, Motion, Pedestrian, PedestrianState, Scene, StateQuantity,
+    Stated, StatedBy, VehicleState,
 };
 
 /// The registry entry.
@@ -345,6 +347,39 @@ impl Pedestrian for Walker {
 
     fn free_speed(&self) -> f64 {
         self.free_speed
+    }
+
+    fn state_quantities(&self) -> Vec<StateQuantity> {
+        let actions = ACTION_SIZES.iter().map(|size| match *size == 0.0 {
+            true => "no new action".to_string(),
+            false => format!("{size:+} m/s"),
+        });
+        let actions = actions.map(|name| StateQuantity {
+            group: "value of each action".into(),
+            name,
+            range: (-1.0, 1.0),
+        });
+        let behaviours = BEHAVIOUR_LIST.iter().map(|behaviour| StateQuantity {
+            group: "what the vehicle does, if no new action".into(),
+            name: match behaviour {
+                Behaviour::Constant => "keeps its speed",
+                Behaviour::PassFirst => "passes first",
+                Behaviour::PassSecond => "passes second",
+            }
+            .into(),
+            range: (0.0, 1.0),
+        });
+        actions.chain(behaviours).collect()
+    }
+
+    /// V̂ per action (§8.5) and P(b|j) of no new action (§8.4), of the last decision.
+    fn state(&self) -> Option<ModelState> {
+        let thoughts = self.agent.thoughts()?;
+        let beliefs = thoughts.probabilities.iter().map(|of_behaviour| of_behaviour[NO_ACTION]);
+        Some(ModelState {
+            about: Some(thoughts.other),
+            values: thoughts.estimates.iter().copied().chain(beliefs).collect(),
+        })
     }
 }
 
