@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::places::{self, Place};
+use super::written_details;
 use nalgebra::Vector2;
 use scenario::{Case, PedestrianSetup, Shape};
 use sim::measure::{PairDetails, PersonDetails, RunDetails};
@@ -23,10 +24,10 @@ pub struct Recording {
     pub users: Vec<Vec<Option<Place>>>,
     /// Every vehicle with every pedestrian, vehicle by vehicle, one value per time where there is one for each; none where they were not
     /// recorded.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty", with = "written_details::pairs")]
     pub meetings: Vec<PairDetails>,
     /// What each pedestrian's model made of it, one per time; none where it was not recorded.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty", with = "written_details::people")]
     pub states: Vec<PersonDetails>,
 }
 

@@ -158,16 +158,17 @@ fn what_a_person_makes_of_it_is_recorded() {
             }
             seen += 1;
             let drawn = &recording.states[person];
-            assert_eq!((drawn.quantities.len(), drawn.states.len()), (8, recording.times.len()));
+            assert_eq!((drawn.quantities.len(), drawn.states.len()), (13, recording.times.len()));
             assert!(drawn.states.iter().any(Option::is_some), "{}", case.key);
             for (index, state) in drawn.states.iter().enumerate() {
                 let Some(state) = state else { continue };
                 assert!(recording.users[cars + person][index].is_some());
-                assert!(state.about.is_some_and(|car| car < cars) && state.values.len() == 8);
+                assert!(state.about.is_some_and(|car| car < cars) && state.values.len() == 13);
                 // Beliefs are probabilities of what is possible.
-                let sum: f64 = state.values[5..].iter().sum();
+                let sum: f64 = state.values[10..].iter().sum();
                 assert!(
-                    (sum - 1.0).abs() < 1e-3 && state.values[5..].iter().all(|one| (0.0..=1.0).contains(one))
+                    (sum - 1.0).abs() < 1e-3
+                        && state.values[10..].iter().all(|one| (0.0..=1.0).contains(one))
                 );
             }
         }

@@ -68,14 +68,10 @@ pub fn pictures(
     for (index, person) in all.into_iter().take(MOST_PEOPLE) {
         let words = whom(recording, person);
         for (first, group) in groups(&person.quantities) {
-            let series = group.iter().enumerate().map(|(offset, quantity)| {
-                let value = |at: usize| person.states.get(at)?.as_ref()?.values.get(first + offset).copied();
-                let times = recording.times.iter().enumerate();
-                TimeSeries {
-                    look: Look::series(offset),
-                    name: quantity.name.clone(),
-                    points: times.map(|(at, time)| (*time, value(at))).collect(),
-                }
+            let series = group.iter().enumerate().map(|(offset, quantity)| TimeSeries {
+                look: Look::series(offset),
+                name: quantity.name.clone(),
+                points: points(recording, person, first + offset),
             });
             let series: Vec<TimeSeries> = series.collect();
             let line = |one: &TimeSeries| (one.look.swatch(true, false), one.name.clone());
@@ -97,10 +93,27 @@ pub fn pictures(
     (pictures, left_out)
 }
 
+/// The values of a quantity over time. Between two that are about different vehicles there is a gap.
+fn points(recording: &Recording, person: &PersonDetails, quantity: usize) -> Vec<(f64, Option<f64>)> {
+    let mut points = Vec::with_capacity(recording.times.len());
+    let mut about = None;
+    for (time, state) in recording.times.iter().zip(&person.states) {
+        let now = state.as_ref().map(|state| state.about);
+        if about.is_some() && now.is_some() && about != now {
+            points.push((*time, None));
+        }
+        points.push((*time, state.as_ref().and_then(|state| state.values.get(quantity).copied())));
+        about = now;
+    }
+    points
+}
+
 /// Which vehicles it is about, in the order of time.
 fn whom(recording: &Recording, person: &PersonDetails) -> String {
     let about = person.states.iter().zip(&recording.times);
+    let cars = recording.case.world.vehicles.len();
     let about = about.filter_map(|(state, time)| Some((state.as_ref()?.about?, *time)));
+    let about = about.filter(|(vehicle, _)| *vehicle < cars);
     let mut changes: Vec<(usize, f64)> = about.collect();
     changes.dedup_by_key(|(vehicle, _)| *vehicle);
     let Some(((vehicle, _), later)) = changes.split_first() else { return String::new() };
@@ -110,6 +123,9 @@ fn whom(recording: &Recording, person: &PersonDetails) -> String {
     }
     if later.len() > 4 {
         words += ", and so on";
+    }
+    if !later.is_empty() {
+        words += "; lines end where that changes";
     }
     words
 }
@@ -127,7 +143,8 @@ pub fn embedded(recording: &Recording, pedestrian: usize) -> Option<Value> {
         let states = person.states.iter().map(|state| {
             let Some(state) = state else { return Value::Null };
             let values = state.values.iter().map(|value| thousandths(*value));
-            let about = state.about.map_or(Value::Null, |vehicle| json!(vehicle));
+            let about = state.about.filter(|vehicle| *vehicle < recording.case.world.vehicles.len());
+            let about = about.map_or(Value::Null, |vehicle| json!(vehicle));
             Value::Array([about].into_iter().chain(values).collect())
         });
         json!({ "groups": groups.collect::<Vec<_>>(), "at": states.collect::<Vec<_>>() })

@@ -253,6 +253,14 @@ fn what_a_person_makes_of_it_is_that_of_the_person() {
     assert!(svg.contains("go from 0.75 to 0.75; stay from 0.25 to 0.25"), "{svg}");
     assert!(drawn.panel("second: belief").unwrap().contains("yields from 0.25 to 0.25"));
     assert_eq!(drawn.panel("walker: belief"), None);
+    // No line leads from what is about one vehicle to what is about another.
+    let one = svg.matches("class=\"line c0\"").count();
+    let states = &mut drawn.recording.states[1].states;
+    states[count / 2..].iter_mut().flatten().for_each(|state| state.about = None);
+    let svg = drawn.panel("second: worth &lt;b&gt;").unwrap();
+    assert_eq!(svg.matches("class=\"line c0\"").count(), one + 1, "{svg}");
+    let states = &mut drawn.recording.states[1].states;
+    states.iter_mut().flatten().for_each(|state| state.about = Some(0));
     let embedded = super::minds::embedded(&drawn.recording, 1).unwrap();
     assert_eq!(embedded["groups"][0], serde_json::json!(["worth <b>", ["go", "stay"], 0.0, 1.0]));
     assert_eq!(embedded["at"][0], serde_json::json!([0, 0.75, 0.25, 0.25]));

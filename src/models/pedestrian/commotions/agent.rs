@@ -140,6 +140,11 @@ impl CommotionsAgent {
         self.thoughts.as_ref()
     }
 
+    /// What speaks for each action since the last decision, and above which threshold it is taken, as [`Decider::evidence`] has it.
+    pub fn evidence(&self) -> ([f64; ACTIONS], f64) {
+        self.decider.evidence()
+    }
+
     /// One step with one other: what to do, given what both publish.
     ///
     /// Once out of the conflict space the agent neither perceives (draws no noise) nor decides.
