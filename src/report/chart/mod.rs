@@ -44,7 +44,7 @@ pub use rates::{Rate, RateSeries, Rates};
 pub use rows::Rows;
 pub use scale::with_room;
 pub use slice::{Along, Belief, Slice, Tried};
-pub use spans::{Gap, Span, SpanRow, Spans};
+pub use spans::{Gap, SpanRow, Spans, TimeSpan};
 pub use strips::{Dot, Strip, Strips, is_drawn};
 
 /// The rules that the classes in charts refer to; they rely on the custom properties of the page's own style sheet.

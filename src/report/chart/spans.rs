@@ -22,7 +22,7 @@ pub struct Spans {
 pub struct SpanRow {
     pub name: String,
     pub look: Look,
-    pub spans: Vec<Span>,
+    pub spans: Vec<TimeSpan>,
     /// Moments that are marked, s.
     pub ticks: Vec<f64>,
     pub gap: Option<Gap>,
@@ -30,7 +30,7 @@ pub struct SpanRow {
 
 /// From when to when something is so, s; `None` where it was so before the run, or is after it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Span {
+pub struct TimeSpan {
     pub from: Option<f64>,
     pub to: Option<f64>,
 }
@@ -53,7 +53,7 @@ const ROW: f64 = 30.0;
 const MIDDLE: f64 = 22.0;
 const HALF: f64 = 4.5;
 
-impl Span {
+impl TimeSpan {
     fn words(self) -> String {
         match (self.from, self.to) {
             (Some(from), Some(to)) => format!("{from:.2} s to {to:.2} s"),
@@ -144,7 +144,7 @@ mod tests {
 
     #[test]
     fn what_is_short_is_seen_to_be_short_and_what_is_cut_off_is_not_closed() {
-        let row = |name: &str, spans: Vec<Span>, ticks: Vec<f64>, gap: Option<Gap>| SpanRow {
+        let row = |name: &str, spans: Vec<TimeSpan>, ticks: Vec<f64>, gap: Option<Gap>| SpanRow {
             name: name.into(),
             look: Look::series(0),
             spans,
@@ -156,8 +156,8 @@ mod tests {
             from: 0.0,
             to: 8.0,
             rows: vec![
-                row("walker <1>", vec![Span { from: Some(2.0), to: Some(3.0) }], vec![2.5], None),
-                row("av", vec![Span { from: Some(3.5), to: None }], vec![3.75], None),
+                row("walker <1>", vec![TimeSpan { from: Some(2.0), to: Some(3.0) }], vec![2.5], None),
+                row("av", vec![TimeSpan { from: Some(3.5), to: None }], vec![3.75], None),
                 row(
                     "pet 1.25 s",
                     vec![],

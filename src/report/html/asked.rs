@@ -14,13 +14,13 @@ use scenario::{
 };
 
 /// What is asked of a run.
-pub struct Asked<'r> {
+pub struct AskedOfRun<'r> {
     pub criteria: &'r [Criterion],
-    readings: Vec<Reading<'r>>,
+    readings: Vec<RunReading<'r>>,
 }
 
 /// What a metric that a criterion is about came to.
-pub struct Reading<'r> {
+pub struct RunReading<'r> {
     pub metric: &'r MetricReference,
     /// SI units; `None` where it does not exist in the run.
     pub value: Option<f64>,
@@ -35,13 +35,13 @@ pub struct Reading<'r> {
     pub fails: bool,
 }
 
-impl<'r> Asked<'r> {
+impl<'r> AskedOfRun<'r> {
     pub fn new(reports: &'r [SuiteReport], requests: &'r Requests, recording: &Recording) -> Self {
         let Some((trial, outcome)) = find(reports, &recording.case.key) else {
             return Self { criteria: &[], readings: Vec::new() };
         };
         let criteria = &trial.trial.criteria[..];
-        let mut readings: Vec<(usize, Reading)> = Vec::new();
+        let mut readings: Vec<(usize, RunReading)> = Vec::new();
         for criterion in criteria {
             let Some(index) = requests.index(criterion.claim.metric()) else { continue };
             let Some(one) = per_run(criterion) else { continue };
@@ -55,7 +55,7 @@ impl<'r> Asked<'r> {
     }
 
     /// What the metrics of a name came to: of different pairs, or with different settings.
-    pub fn of<'s>(&'s self, metric: &'s str) -> impl Iterator<Item = &'s Reading<'r>> {
+    pub fn of<'s>(&'s self, metric: &'s str) -> impl Iterator<Item = &'s RunReading<'r>> {
         self.readings.iter().filter(move |reading| reading.metric.name() == metric)
     }
 
@@ -94,7 +94,7 @@ impl<'r> Asked<'r> {
     }
 }
 
-impl Reading<'_> {
+impl RunReading<'_> {
     /// Such as `min_ttc 0.83 s`.
     pub fn words(&self, unit: Option<Notation>) -> String {
         if self.is_open && self.value.is_none() {
@@ -110,7 +110,7 @@ impl Reading<'_> {
     }
 
     /// The most that criteria ask of single runs as a least value of the same metric, in SI units and in words.
-    pub fn least(&self, asked: &Asked, unit: Option<Notation>) -> Option<(f64, String)> {
+    pub fn least(&self, asked: &AskedOfRun, unit: Option<Notation>) -> Option<(f64, String)> {
         let same = asked.criteria.iter().filter(|criterion| criterion.claim.metric().is_same(self.metric));
         // What is counted where it is so, is wanted not to be so.
         let wanted = same.filter(|criterion| comparison(criterion).is_some()).filter_map(per_run);
@@ -130,13 +130,13 @@ fn reading<'r>(
     index: usize,
     recording: &Recording,
     fails: bool,
-) -> Reading<'r> {
+) -> RunReading<'r> {
     let world = &recording.case.world;
     let critical = outcome.critical.get(index).cloned().unwrap_or_default();
     let vehicle = critical.vehicle.and_then(|name| world.vehicles.iter().position(|one| *one.name == *name));
     let pedestrian =
         critical.pedestrian.and_then(|name| world.pedestrians.iter().position(|one| *one.name == *name));
-    Reading {
+    RunReading {
         metric: criterion.claim.metric(),
         value: outcome.metrics[index],
         is_open: outcome.open(index).is_some(),

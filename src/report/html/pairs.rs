@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use super::asked::Asked;
+use super::asked::AskedOfRun;
 use crate::chart::Look;
 use results::Recording;
 use scenario::{MetricReference, Shape, Value};
@@ -24,7 +24,7 @@ pub struct DrawnPair {
 }
 
 /// Those that are drawn, with looks from the `first` on, and how many there would be more.
-pub fn drawn_pairs(asked: &Asked, recording: &Recording, first: usize) -> (Vec<DrawnPair>, usize) {
+pub fn drawn_pairs(asked: &AskedOfRun, recording: &Recording, first: usize) -> (Vec<DrawnPair>, usize) {
     let cars = recording.case.world.vehicles.len();
     let critical = asked.pairs();
     let mut pairs: Vec<(usize, f64, DrawnPair)> = Vec::new();

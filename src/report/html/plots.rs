@@ -3,7 +3,7 @@
 
 use serde::Serialize;
 
-use super::asked::{Asked, Reading};
+use super::asked::{AskedOfRun, RunReading};
 use super::minds::{self, Picture};
 use super::pairs::{DrawnPair, MOST_PAIRS, drawn_pairs, goes_straight};
 use super::shared_area;
@@ -18,6 +18,9 @@ const _: () = assert!(MOST_USERS + MOST_PAIRS <= LOOKS);
 
 /// Times to collision above this are not drawn, unless something is asked of them, s.
 const LONGEST: f64 = 10.0;
+
+/// Times in s with values; without one there is a gap.
+type Points = Vec<(f64, Option<f64>)>;
 
 /// What is drawn of a run over time.
 #[derive(Debug, Serialize)]
@@ -60,9 +63,9 @@ impl RunPlots {
         let cars = recording.case.world.vehicles.len();
         let shown = recording.users.len().min(MOST_USERS);
         let users = || (0..shown).map(|who| (who, Look::series(who), recording.name(who)));
-        let asked = Asked::new(reports, requests, recording);
+        let asked = AskedOfRun::new(reports, requests, recording);
         let (pairs, pairs_left_out) = drawn_pairs(&asked, recording, shown);
-        let of = |each: &dyn Fn(usize) -> Vec<(f64, Option<f64>)>| -> Vec<TimeSeries> {
+        let of = |each: &dyn Fn(usize) -> Points| -> Vec<TimeSeries> {
             let series = |(who, look, name): (usize, Look, &str)| TimeSeries {
                 look,
                 name: name.into(),
@@ -70,7 +73,7 @@ impl RunPlots {
             };
             users().map(series).collect()
         };
-        let of_pairs = |each: &dyn Fn(&DrawnPair) -> Vec<(f64, Option<f64>)>| -> Vec<TimeSeries> {
+        let of_pairs = |each: &dyn Fn(&DrawnPair) -> Points| -> Vec<TimeSeries> {
             let series = |pair: &DrawnPair| TimeSeries {
                 look: pair.look,
                 name: pair.name.clone(),
@@ -79,7 +82,7 @@ impl RunPlots {
             pairs.iter().map(series).filter(|one| one.points.iter().any(|point| point.1.is_some())).collect()
         };
         // Whose look a reading has, and what it is called besides if that is in no legend.
-        let look = |reading: &Reading| {
+        let look = |reading: &RunReading| {
             let pair = pairs.iter().find(|pair| {
                 reading.pedestrian == Some(pair.pedestrian) && reading.vehicle == Some(pair.vehicle)
             });
@@ -221,13 +224,13 @@ fn above(ceiling: f64, series: &[TimeSeries], rules: &[Rule]) -> f64 {
     rules.iter().map(|rule| rule.value).chain([lowest]).map(|value| 1.2 * value).fold(ceiling, f64::max)
 }
 
-fn of_places(recording: &Recording, who: usize, pick: impl Fn(&Place) -> f64) -> Vec<(f64, Option<f64>)> {
+fn of_places(recording: &Recording, who: usize, pick: impl Fn(&Place) -> f64) -> Points {
     let places = recording.times.iter().zip(&recording.users[who]);
     places.map(|(time, place)| (*time, place.as_ref().map(&pick))).collect()
 }
 
 /// The slope between each two points, at the time between them.
-fn slopes(points: &[(f64, Option<f64>)]) -> Vec<(f64, Option<f64>)> {
+fn slopes(points: &[(f64, Option<f64>)]) -> Points {
     let far = points.windows(2).filter(|pair| pair[1].0 - pair[0].0 > 1e-3);
     let slope = |pair: &[(f64, Option<f64>)]| {
         let ((from, before), (to, after)) = (pair[0], pair[1]);

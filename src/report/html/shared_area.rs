@@ -1,29 +1,34 @@
 //! When a vehicle and a person were in the area that they share, and what time was between them: what `pet` and `pet_area` measure. The times are
 //! those of the run itself, to the fraction of a step, as metrics have them.
 
-use super::asked::{Asked, Reading};
-use crate::chart::{Gap, Look, Span, SpanRow, Spans};
+use super::asked::{AskedOfRun, RunReading};
+use crate::chart::{Gap, Look, SpanRow, Spans, TimeSpan};
 use results::Recording;
 use scenario::Dimension;
 use sim::measure::{PairDetails, Reached};
 
 /// The rows of a pair; none where neither came into the way of the other.
-pub fn rows(asked: &Asked, recording: &Recording, pair: &PairDetails, looks: (Look, Look)) -> Vec<SpanRow> {
+pub fn rows(
+    asked: &AskedOfRun,
+    recording: &Recording,
+    pair: &PairDetails,
+    looks: (Look, Look),
+) -> Vec<SpanRow> {
     if pair.visits.is_empty() && pair.passings.is_empty() {
         return Vec::new();
     }
     let cars = recording.case.world.vehicles.len();
     let (car, person) = (recording.name(pair.vehicle), recording.name(cars + pair.pedestrian));
-    let row = |name: String, look: Look, spans: Vec<Span>, ticks: Vec<f64>| SpanRow {
+    let row = |name: String, look: Look, spans: Vec<TimeSpan>, ticks: Vec<f64>| SpanRow {
         name,
         look,
         spans,
         ticks,
         gap: None,
     };
-    let stays = pair.visits.iter().map(|visit| Span { from: Some(visit.from), to: visit.to }).collect();
+    let stays = pair.visits.iter().map(|visit| TimeSpan { from: Some(visit.from), to: visit.to }).collect();
     let passes = pair.passings.iter().map(|passing| passing.pedestrian).collect();
-    let drives: Vec<Span> =
+    let drives: Vec<TimeSpan> =
         pair.visits.iter().filter_map(|visit| driven(visit.enters, visit.leaves)).collect();
     let passed: Vec<f64> = pair.passings.iter().filter_map(|passing| passing.vehicle.time()).collect();
     let misses = if drives.is_empty() && passed.is_empty() { ": not there in this run" } else { "" };
@@ -41,13 +46,13 @@ pub fn rows(asked: &Asked, recording: &Recording, pair: &PairDetails, looks: (Lo
 }
 
 /// When a vehicle was in an area; `None` if it never was.
-fn driven(enters: Reached, leaves: Reached) -> Option<Span> {
+fn driven(enters: Reached, leaves: Reached) -> Option<TimeSpan> {
     (enters != Reached::NotYet && leaves != Reached::BeforeStart)
-        .then(|| Span { from: enters.time(), to: leaves.time() })
+        .then(|| TimeSpan { from: enters.time(), to: leaves.time() })
 }
 
 /// The time between the two, as the metric has it.
-fn gap_row(asked: &Asked, pair: &PairDetails, reading: &Reading) -> SpanRow {
+fn gap_row(asked: &AskedOfRun, pair: &PairDetails, reading: &RunReading) -> SpanRow {
     let unit = asked.unit(reading.metric.name(), Dimension::TIME);
     let between = match pair.contact {
         Some(contact) => Some((contact, contact)),
