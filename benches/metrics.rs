@@ -9,7 +9,7 @@ use scenario::{
     Settings, Shape, Side, VehicleSetup, VehicleStart, World,
 };
 use sim::measure::{FreeFlow, Measurement};
-use sim::{Abreast, Longitudinal, Mode, Observer, PedestrianState, Snapshot, Step, VehicleState};
+use sim::{Abreast, Longitudinal, Minds, Mode, Observer, PedestrianState, Snapshot, Step, VehicleState};
 
 fn main() {
     divan::main();
@@ -59,6 +59,7 @@ fn measure(bencher: Bencher, names: &[&str]) {
                     contacts: &[],
                     sightings: &[],
                     abreast: &Abreast::default(),
+                    minds: Minds::default(),
                 });
             }
         });

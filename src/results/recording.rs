@@ -3,9 +3,11 @@
 use serde::{Deserialize, Serialize};
 
 use super::places::{self, Place};
+use super::written_details;
 use nalgebra::Vector2;
 use scenario::{Case, PedestrianSetup, Shape};
-use sim::{TimelineEvent, Trace};
+use sim::measure::{PairDetails, PersonDetails, RunDetails};
+use sim::{ModelState, TimelineEvent, Trace};
 
 /// A run as it is drawn. Metrics are never computed from it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -20,6 +22,13 @@ pub struct Recording {
     /// Per road user, vehicles first, one per time; `None` before it appears.
     #[serde(with = "places")]
     pub users: Vec<Vec<Option<Place>>>,
+    /// Every vehicle with every pedestrian, vehicle by vehicle, one value per time where there is one for each; none where they were not
+    /// recorded.
+    #[serde(default, skip_serializing_if = "Vec::is_empty", with = "written_details::pairs")]
+    pub meetings: Vec<PairDetails>,
+    /// What each pedestrian's model made of it, one per time; none where it was not recorded.
+    #[serde(default, skip_serializing_if = "Vec::is_empty", with = "written_details::people")]
+    pub states: Vec<PersonDetails>,
 }
 
 /// One pedestrian and one vehicle in the distance-distance plane.
@@ -35,6 +44,8 @@ pub struct PairCourse {
 
 /// Between two places, s.
 const INTERVAL: f64 = 0.1;
+/// Values of states are kept to one over this.
+const STATE_DIGITS: f64 = 1e4;
 /// Below this a heading is that of before, m/s.
 const STANDING: f64 = 0.01;
 
@@ -44,8 +55,14 @@ impl Recording {
         let cars = case.world.vehicles.len();
         let mut headings: Vec<f64> = (0..cars).map(|_| 0.0).collect();
         headings.extend(case.world.pedestrians.iter().map(initial_heading));
-        let mut recording =
-            Self { case: case.clone(), events, times: Vec::new(), users: vec![Vec::new(); headings.len()] };
+        let mut recording = Self {
+            case: case.clone(),
+            events,
+            times: Vec::new(),
+            users: vec![Vec::new(); headings.len()],
+            meetings: Vec::new(),
+            states: Vec::new(),
+        };
         let end = trace.samples.last().map_or(0.0, |sample| sample.time);
         let mut due = 0.0;
         for moment in trace.samples.chunk_by(|left, right| left.time == right.time) {
@@ -75,6 +92,42 @@ impl Recording {
             }
         }
         recording
+    }
+
+    /// The same with what else is drawn of the run, thinned out likewise. What is known at the ends of steps alone is, at a time within a
+    /// step, that of the end of the one before.
+    #[must_use]
+    pub fn with(mut self, details: Option<&RunDetails>) -> Self {
+        let Some(details) = details else { return self };
+        let steps: Vec<Option<usize>> = self
+            .times
+            .iter()
+            .map(|time| details.times.partition_point(|end| end <= time).checked_sub(1))
+            .collect();
+        let values = |all: &[Option<f64>]| -> Vec<Option<f64>> {
+            if all.is_empty() { Vec::new() } else { steps.iter().map(|step| all[(*step)?]).collect() }
+        };
+        let pair = |pair: &PairDetails| PairDetails {
+            time_to_collision: values(&pair.time_to_collision),
+            straight_on: values(&pair.straight_on),
+            ..pair.clone()
+        };
+        self.meetings = details.pairs.iter().map(pair).collect();
+        let state = |state: &ModelState| ModelState {
+            values: state.values.iter().map(|value| (value * STATE_DIGITS).round() / STATE_DIGITS).collect(),
+            ..state.clone()
+        };
+        let person = |person: &PersonDetails| PersonDetails {
+            states: match person.states.is_empty() {
+                true => Vec::new(),
+                false => steps.iter().map(|step| person.states[(*step)?].as_ref().map(state)).collect(),
+            },
+            ..person.clone()
+        };
+        if details.people.iter().any(|person| !person.quantities.is_empty()) {
+            self.states = details.people.iter().map(person).collect();
+        }
+        self
     }
 
     /// The name of a road user by its index.

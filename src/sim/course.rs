@@ -11,7 +11,7 @@ use super::contact::Contacts;
 use super::control::Control;
 use super::keep_clear::KeepClear;
 use super::legs::Legs;
-use super::observer::{Ending, Observer, Sighting, Step, StopReason};
+use super::observer::{Ending, Minds, Observer, Sighting, Step, StopReason};
 use super::order::SteeredOrder;
 use super::road_users::RoadUsers;
 use super::solid::Solid;
@@ -516,6 +516,7 @@ impl Course {
             contacts: self.contacts.found(),
             sightings: &self.sightings,
             abreast: &self.abreast,
+            minds: Minds::new(&self.users.pedestrians),
         };
         if let Some(moment) = collision {
             // Once in a run, its last step; so it may allocate.

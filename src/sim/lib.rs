@@ -56,13 +56,14 @@ pub use course::{
 };
 pub use fingerprint::Fingerprint;
 pub use hit::{hit_along, hit_at};
-pub use observer::{Ending, Observer, Sighting, Step, StopReason};
+pub use observer::{Ending, Minds, Observer, Sighting, Step, StopReason};
 pub use order::{LONGEST_PLAN, Order, SpeedPlan, SpeedPlanError, SteeredOrder, toward};
 pub use road_users::{Driven, Driver, RoadUsers};
 pub use scenario::agent::{
     Command, Controller, ControllerError, CrossingView, Dynamics, EgoState, Longitudinal, Mode, ModelError,
-    Motion, Observation, Pedestrian, PedestrianState, Perception, RoadView, Scene, Schedule, SeenPedestrian,
-    SeenVehicle, Snapshot, Stated, StatedBy, Steered, VehicleState, velocity_inside,
+    ModelState, Motion, Observation, Pedestrian, PedestrianState, Perception, RoadView, Scene, Schedule,
+    SeenPedestrian, SeenVehicle, Snapshot, StateQuantity, Stated, StatedBy, Steered, VehicleState,
+    velocity_inside,
 };
 pub use solid::Solid;
 pub use start::{beginning, blocked_lanes, collision_course, overlaps, path_conflicts};

@@ -1,11 +1,13 @@
 //! What is told of a run while it happens, to metrics and recorders.
 
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
 
 use super::abreast::Abreast;
 use super::contact::Touch;
 use super::solid::Solid;
-use scenario::agent::{Mode, Motion, Snapshot, velocity_inside};
+use scenario::agent::{Mode, ModelState, Motion, Pedestrian, Snapshot, StateQuantity, velocity_inside};
 
 /// Follows a run. Nothing it does can change the run.
 pub trait Observer {
@@ -44,6 +46,35 @@ pub struct Step<'a> {
     pub sightings: &'a [Sighting],
     /// Where everybody is at its end, seen from vehicles whose paths bend.
     pub abreast: &'a Abreast,
+    /// The models of all pedestrians, which tell what they make of the situation.
+    pub minds: Minds<'a>,
+}
+
+/// The models of pedestrians, to whoever looks on: they can be asked, and not told.
+#[derive(Clone, Copy, Default)]
+pub struct Minds<'a>(&'a [Box<dyn Pedestrian>]);
+
+impl<'a> Minds<'a> {
+    /// Of these models, in the order of the world.
+    pub fn new(pedestrians: &'a [Box<dyn Pedestrian>]) -> Self {
+        Self(pedestrians)
+    }
+
+    /// Of the pedestrian of this index.
+    pub fn quantities(self, pedestrian: usize) -> Vec<StateQuantity> {
+        self.0.get(pedestrian).map(|model| model.state_quantities()).unwrap_or_default()
+    }
+
+    /// Of the pedestrian of this index, if it is there and weighs anything.
+    pub fn state(self, pedestrian: usize) -> Option<ModelState> {
+        self.0.get(pedestrian)?.state()
+    }
+}
+
+impl fmt::Debug for Minds<'_> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(out, "Minds({})", self.0.len())
+    }
 }
 
 /// A vehicle's controller is shown somebody from a decision on whom it was not shown at the one before, or the other way round. With latency that is

@@ -11,6 +11,7 @@ mod comparing;
 mod course;
 mod cyclists;
 mod diffing;
+mod details;
 mod draws;
 mod estimating;
 mod executors;

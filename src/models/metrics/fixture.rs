@@ -6,8 +6,8 @@ use super::metrics;
 use scenario::{Appearance, MetricReference, Settings, Value, World};
 use sim::measure::{FreeFlow, Measurement, Open, Presence, Reading};
 use sim::{
-    Abreast, Contacts, Ending, Longitudinal, Mode, Observer, PedestrianState, Snapshot, Step, StopReason,
-    VehicleState, fixture,
+    Abreast, Contacts, Ending, Longitudinal, Minds, Mode, Observer, PedestrianState, Snapshot, Step,
+    StopReason, VehicleState, fixture,
 };
 
 /// The world of [`fixture`] at this step and horizon, s.
@@ -103,6 +103,7 @@ fn observe(world: &World, requests: &[MetricReference], car: &Profile, walk: &Wa
             contacts: contacts.found(),
             sightings: &[],
             abreast: &Abreast::default(),
+            minds: Minds::default(),
         };
         if let Some(moment) = collision {
             measurement.observe(&Step { duration: moment, after: &step.at(moment), ..step });

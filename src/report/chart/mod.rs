@@ -11,7 +11,7 @@
 //! | metric against the value found for each individual | [`IndividualsChart`] |
 //!
 //! An optimiser's course is a [`Convergence`] (of many: [`Convergences`]), its surrogate a [`Slice`], two objectives
-//! against each other a [`Front`], how bad encounters are against how usual [`Danger`], one run over time [`OverTime`]. [`Rows`] are strips for many conditions or long names.
+//! against each other a [`Front`], how bad encounters are against how usual [`Danger`], one run over time [`OverTime`] and, where it is about who is somewhere when, [`Spans`]. [`Rows`] are strips for many conditions or long names.
 
 mod convergence;
 mod danger;
@@ -26,6 +26,7 @@ mod rates;
 mod rows;
 mod scale;
 mod slice;
+mod spans;
 mod strips;
 
 use crate::svg;
@@ -36,13 +37,14 @@ pub use front::Front;
 pub use individuals::{COURSES_FROM, CourseLine, FoundDot, IndividualsChart};
 pub use look::{First, LOOKS, LegendEntry, Look};
 pub use mark::PointMark;
-pub use over_time::{OverTime, TimeSeries};
+pub use over_time::{OverTime, TimeMark, TimeSeries};
 pub use panel::{AxisQuantity, Rule, shortened};
 pub use paths::{ChartPath, Paths};
 pub use rates::{Rate, RateSeries, Rates};
 pub use rows::Rows;
 pub use scale::with_room;
 pub use slice::{Along, Belief, Slice, Tried};
+pub use spans::{Gap, SpanRow, Spans, TimeSpan};
 pub use strips::{Dot, Strip, Strips, is_drawn};
 
 /// The rules that the classes in charts refer to; they rely on the custom properties of the page's own style sheet.

@@ -146,7 +146,23 @@ impl Panel {
         row: f64,
     ) -> Self {
         // Without the line for the vertical axis's label.
-        let (left, top) = (8.0, TOP - LINE);
+        Self::rows_within(title, description, label, x, names, row, (8.0, TOP - LINE))
+    }
+
+    /// The same in the frame that plots over time have, so that what is said of one moment stands below each other.
+    pub fn rows_over_time(title: &str, description: &str, x: (f64, f64), names: &[String], row: f64) -> Self {
+        Self::rows_within(title, description, "time (s)", x, names, row, (LEFT, TOP))
+    }
+
+    fn rows_within(
+        title: &str,
+        description: &str,
+        label: &str,
+        x: (f64, f64),
+        names: &[String],
+        row: f64,
+        (left, top): (f64, f64),
+    ) -> Self {
         let height = top + names.len().max(1) as f64 * row + BOTTOM;
         let mut panel = Self {
             svg: Svg::default(),
@@ -403,6 +419,27 @@ impl Panel {
         let back = high.iter().rev().map(|(x, y)| self.place(*x, *y));
         let path = through(there.chain(back)) + "z";
         self.svg.empty("path", &[("class", &look.class("band")), ("d", &path)]);
+    }
+
+    /// A value that has no neighbours to draw a line to.
+    pub fn dash(&mut self, x: f64, y: f64, look: Look, title: &str) {
+        let (x, y) = self.place(x, y);
+        let path = format!("M{} {}H{}", At(x - 1.5), At(y), At(x + 1.5));
+        self.svg.titled("path", title, &[("class", &look.class("line")), ("d", &path)]);
+    }
+
+    /// A few words above a place, to its left where there is room, and clear of the labels of lines across.
+    pub fn note(&mut self, x: f64, y: f64, content: &str, look: Look, rules: &[Rule]) {
+        let (x, y) = self.place(x, y);
+        let is_room = x - content.chars().count() as f64 * LETTER > self.left;
+        let (x, anchor) = if is_room { (x - 6.0, "end") } else { (x + 6.0, "start") };
+        let near = |rule: &Rule| (-4.0..LINE + 4.0).contains(&(self.y.at(rule.value) - y + LINE));
+        let lift = if rules.iter().any(near) { LINE } else { 0.0 };
+        let y = (y - 6.0 - lift).max(self.top + LINE);
+        self.svg.label(
+            content,
+            &[("class", &look.class("name")), ("x", &At(x)), ("y", &At(y)), ("text-anchor", &anchor)],
+        );
     }
 
     /// A small name left of a place.

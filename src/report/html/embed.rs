@@ -3,6 +3,7 @@
 use nalgebra::Vector2;
 use serde_json::{Value, json};
 
+use super::minds;
 use super::plots::RunPlots;
 use super::still::{Still, still};
 use super::told::{RunTold, find, quoted};
@@ -13,7 +14,7 @@ use results::{Chosen, Recording, Requests, SuiteReport, Verdict};
 use scenario::{CrossingKind, Side, TrafficSignal};
 use sim::Happening;
 
-/// All of them together may take this much of the page, in bytes.
+/// All of them together may take this much of the page, in bytes: what the script reads, and what is drawn over time.
 const MOST_BYTES: usize = 3_000_000;
 
 /// What the page's script reads.
@@ -62,13 +63,15 @@ pub fn embed(reports: &[SuiteReport], requests: &Requests, recordings: &[(Chosen
     for (recording, reason, told, severity) in drawn {
         // `<` would let a name end the element.
         let text = plain(run(reports, recording, reason, &told)).to_string().replace('<', "\\u003c");
-        if bytes + text.len() > MOST_BYTES {
+        let drawn = RunPlots::new(reports, requests, recording, told.moment);
+        let size = text.len() + drawn.size();
+        if bytes + size > MOST_BYTES {
             left_out += 1;
             continue;
         }
-        bytes += text.len();
+        bytes += size;
         keys.push(recording.case.key.clone());
-        plots.push(RunPlots::new(reports, recording, told.moment));
+        plots.push(drawn);
         texts.push(text);
         let end = recording.times.last().copied().unwrap_or(0.0);
         first.get_or_insert_with(|| LeadRun {
@@ -164,6 +167,10 @@ fn run(reports: &[SuiteReport], recording: &Recording, reason: &str, told: &RunT
         let modes = modes(recording, who);
         if !modes.is_empty() {
             user["modes"] = modes.into();
+        }
+        let pedestrian = who.checked_sub(case.world.vehicles.len());
+        if let Some(state) = pedestrian.and_then(|pedestrian| minds::embedded(recording, pedestrian)) {
+            user["state"] = state;
         }
         if case.world.vehicles.get(who).is_some_and(|car| car.sees.is_some()) {
             user["shown"] = sightings(recording, who).into();

@@ -1,5 +1,6 @@
 //! The report as one HTML file that needs nothing else: no network, no fonts, and no JavaScript but for the animation.
 
+mod asked;
 mod block;
 mod calibrate;
 mod command;
@@ -9,10 +10,15 @@ mod evaluate;
 mod failures;
 mod figure;
 mod gate;
+mod minds;
+mod pairs;
 mod plots;
+#[cfg(test)]
+mod plots_tests;
 mod policy;
 mod rating;
 mod search;
+mod shared_area;
 mod space;
 mod statement;
 mod still;

@@ -285,6 +285,52 @@
     };
   };
 
+  // What people's models make of it now: a table for each group of quantities, a bar from zero and a number each.
+  const drawMinds = () => {
+    const tables = run.users.filter((user) => user.state).flatMap((user) => {
+      let first = 1;
+      return user.state.groups.map(([group, names, low, high]) => {
+        const from = first;
+        first += names.length;
+        // Values that noise drives beyond their usual range, and small ones, are shown to scale.
+        const known = user.state.at.filter((state) => state).flatMap((state) => state.slice(from, first));
+        const least = Math.min(0, ...known), most = Math.max(0, ...known);
+        const [left, right] = low < 0 && least < most ? [least, most] : [Math.min(low, least), Math.max(high, most)];
+        const table = document.createElement("table"), caption = table.createCaption(), body = table.createTBody();
+        const x = (value) => ((value - left) / (right - left)) * 100;
+        const rows = names.map((name) => {
+          const row = body.insertRow(), heading = document.createElement("th"), cell = document.createElement("td");
+          heading.scope = "row";
+          heading.textContent = name;
+          const svg = element("svg", { viewBox: "0 0 100 10", preserveAspectRatio: "none", "aria-hidden": "true" }, cell);
+          element("path", { class: "zero", d: `M${x(0)} 0V10` }, svg);
+          const bar = element("rect", { class: "bar", y: 2, height: 6 }, svg);
+          row.append(heading, cell);
+          const number = row.insertCell();
+          number.className = "n";
+          return { bar, number };
+        });
+        return { user, group, from, x, table, caption, rows };
+      });
+    });
+    byId("minds").replaceChildren(...tables.map(({ table }) => table));
+    return () => {
+      let now = -1;
+      run.times.forEach((known, at) => { if (known <= time + 1e-9) now = at; });
+      for (const { user, group, from, x, caption, rows } of tables) {
+        const state = user.state.at[now] || null;
+        const about = state && state[0] !== null ? ` (about ${run.users[state[0]].name})` : "";
+        caption.textContent = `${user.name}: ${group}${state ? about : ": nothing is weighed"}`;
+        rows.forEach(({ bar, number }, index) => {
+          const value = state ? state[from + index] : 0, [zero, end] = [x(0), x(value)];
+          bar.setAttribute("x", Math.min(zero, end));
+          bar.setAttribute("width", Math.abs(end - zero));
+          number.textContent = state ? value.toFixed(3) : "–";
+        });
+      }
+    };
+  };
+
   const drawEvents = () => {
     const list = byId("events");
     list.replaceChildren();
@@ -364,7 +410,7 @@
     else requestAnimationFrame(frame);
   };
   const redraw = () => {
-    const parts = [drawView(), drawStates(), drawPlane(), drawEvents(), drawCursors()];
+    const parts = [drawView(), drawStates(), drawMinds(), drawPlane(), drawEvents(), drawCursors()];
     update = () => parts.forEach((part) => part());
     update();
   };

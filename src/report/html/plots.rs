@@ -1,23 +1,26 @@
-//! A run over time: speeds, accelerations and distances, each a picture with the same horizontal axis. They are SVG that is made here, so that they
-//! can be read and printed without JavaScript; the page's script only moves a line over them.
+//! A run over time: speeds, accelerations, distances, times to collision and who is in the shared area, each a picture with the same horizontal axis.
+//! They are SVG that is made here, so that they can be read and printed without JavaScript; the page's script only moves a line over them.
 
-use nalgebra::Vector2;
 use serde::Serialize;
 
-use super::told::find;
-use crate::chart::{AxisQuantity, LOOKS, LegendEntry, Look, OverTime, Rule, TimeSeries};
-use crate::digest::unit_for;
-use crate::wording::comparison_rule;
-use results::{Place, Recording, SuiteReport};
-use scenario::{Aggregate, Claim, Criterion, Dimension, Expression, Notation, Shape, Value};
-use sim::geometry::{Footprint, apart};
+use super::asked::{AskedOfRun, RunReading};
+use super::minds::{self, Picture};
+use super::pairs::{DrawnPair, MOST_PAIRS, drawn_pairs, goes_straight};
+use super::shared_area;
+use crate::chart::{AxisQuantity, First, LOOKS, Look, OverTime, Rule, TimeMark, TimeSeries};
+use results::{Place, Recording, Requests, SuiteReport};
+use scenario::{Dimension, MetricReference, Notation};
 
-/// More pairs than this are not drawn: those that come nearest are.
-const MOST_PAIRS: usize = 2;
 /// More road users than this are not drawn: the first are, vehicles before people.
 const MOST_USERS: usize = 4;
 // Each line has a look of its own, so that one legend tells them apart.
 const _: () = assert!(MOST_USERS + MOST_PAIRS <= LOOKS);
+
+/// Times to collision above this are not drawn, unless something is asked of them, s.
+const LONGEST: f64 = 10.0;
+
+/// Times in s with values; without one there is a gap.
+type Points = Vec<(f64, Option<f64>)>;
 
 /// What is drawn of a run over time.
 #[derive(Debug, Serialize)]
@@ -27,23 +30,42 @@ pub struct RunPlots {
     to: f64,
     /// Swatch and words.
     legend: Vec<(String, String)>,
-    /// SVG elements.
-    panels: Vec<String>,
+    panels: Vec<Picture>,
     /// Which moment is marked, in words; empty if none is.
     moment: String,
     /// What is not drawn.
     left_out: String,
 }
 
+/// A plot in the making.
+struct Plot<'p> {
+    title: &'p str,
+    name: &'p str,
+    dimension: Dimension,
+    series: Vec<TimeSeries>,
+    /// The metric that is about the same, if there is one, and the sign that turns it into what is drawn.
+    metric: Option<(&'p str, f64)>,
+    /// SI units.
+    ceiling: Option<f64>,
+}
+
 impl RunPlots {
     /// `moment` is marked, s.
-    pub fn new(reports: &[SuiteReport], recording: &Recording, moment: Option<f64>) -> Self {
+    pub fn new(
+        reports: &[SuiteReport],
+        requests: &Requests,
+        recording: &Recording,
+        moment: Option<f64>,
+    ) -> Self {
         let times = &recording.times;
         let (from, to) = (times.first().copied().unwrap_or(0.0), times.last().copied().unwrap_or(1.0));
         let to = if to > from { to } else { from + 1.0 };
+        let cars = recording.case.world.vehicles.len();
         let shown = recording.users.len().min(MOST_USERS);
         let users = || (0..shown).map(|who| (who, Look::series(who), recording.name(who)));
-        let of = |each: &dyn Fn(usize) -> Vec<(f64, f64)>| -> Vec<TimeSeries> {
+        let asked = AskedOfRun::new(reports, requests, recording);
+        let (pairs, pairs_left_out) = drawn_pairs(&asked, recording, shown);
+        let of = |each: &dyn Fn(usize) -> Points| -> Vec<TimeSeries> {
             let series = |(who, look, name): (usize, Look, &str)| TimeSeries {
                 look,
                 name: name.into(),
@@ -51,124 +73,168 @@ impl RunPlots {
             };
             users().map(series).collect()
         };
+        let of_pairs = |each: &dyn Fn(&DrawnPair) -> Points| -> Vec<TimeSeries> {
+            let series = |pair: &DrawnPair| TimeSeries {
+                look: pair.look,
+                name: pair.name.clone(),
+                points: each(pair),
+            };
+            pairs.iter().map(series).filter(|one| one.points.iter().any(|point| point.1.is_some())).collect()
+        };
+        // Whose look a reading has, and what it is called besides if that is in no legend.
+        let look = |reading: &RunReading| {
+            let pair = pairs.iter().find(|pair| {
+                reading.pedestrian == Some(pair.pedestrian) && reading.vehicle == Some(pair.vehicle)
+            });
+            match (pair, reading.vehicle, reading.pedestrian) {
+                (Some(pair), ..) => (pair.look, String::new()),
+                (None, Some(car), None) if car < shown => (Look::series(car), String::new()),
+                (None, Some(car), Some(person)) => {
+                    let (car, person) = (recording.name(car), recording.name(cars + person));
+                    (First::Neither.look(), format!(", {car} and {person}"))
+                }
+                (None, Some(car), None) => (First::Neither.look(), format!(", {}", recording.name(car))),
+                (None, None, _) => (First::Neither.look(), String::new()),
+            }
+        };
+        let is_marked = std::cell::Cell::new(false);
+        // In the unit of the criteria, as tables and charts are.
+        let over = |plot: Plot, is_drawn: &dyn Fn(&MetricReference) -> bool| {
+            let Plot { title, name, dimension, mut series, metric, ceiling } = plot;
+            let (metric, sign) = metric.unwrap_or(("", 1.0));
+            let unit = asked.unit(metric, dimension);
+            let in_unit = |value: f64| unit.map_or(value, |unit| unit.of_si(value));
+            let points = series.iter_mut().flat_map(|one| &mut one.points);
+            points.filter_map(|point| point.1.as_mut()).for_each(|value| *value = in_unit(*value));
+            let y = AxisQuantity::new(name, said(unit, dimension));
+            let rules = asked.rules(metric, sign, unit, is_drawn);
+            let marks = asked.of(metric).filter(|reading| is_drawn(reading.metric)).filter_map(|reading| {
+                let (look, whose) = look(reading);
+                Some(TimeMark {
+                    look,
+                    time: reading.time?,
+                    value: sign * in_unit(reading.value?),
+                    label: format!("{}{whose}", reading.words(unit)),
+                })
+            });
+            let marks: Vec<TimeMark> = marks.collect();
+            is_marked.set(is_marked.get() || !marks.is_empty());
+            let is_empty = series.is_empty() && marks.is_empty();
+            let ceiling = ceiling.map(|ceiling| above(in_unit(ceiling), &series, &rules));
+            let plot = OverTime { title: title.into(), y, from, to, series, rules, moment, marks, ceiling };
+            (!is_empty).then(|| plot.to_svg())
+        };
         let speeds = of(&|who| of_places(recording, who, |place| place.speed));
-        let criteria = find(reports, &recording.case.key).map_or(&[][..], |(trial, _)| &trial.trial.criteria);
         // People stop and set off at once, which says nothing and would hide the vehicles'.
         let mut accelerations = of(&|who| slopes(&of_places(recording, who, |place| place.speed)));
-        accelerations.truncate(recording.case.world.vehicles.len());
-        let (distances, pairs_left_out) = distances(recording);
-        // In the unit of the criteria, as tables and charts are.
-        let over = |title: &str,
-                    name: &str,
-                    dimension: Dimension,
-                    mut series: Vec<TimeSeries>,
-                    bound: Option<(&str, f64)>| {
-            let unit = unit_for(criteria, dimension);
-            if let Some(unit) = unit {
-                let points = series.iter_mut().flat_map(|one| &mut one.points);
-                points.for_each(|point| point.1 = unit.of_si(point.1));
-            }
-            let said = unit.map_or_else(|| dimension.si_unit(), |unit| unit.symbol.as_str().to_string());
-            let y = AxisQuantity::new(name, &said);
-            let rules = bound.map_or_else(Vec::new, |(metric, sign)| bounds(criteria, metric, sign, unit));
-            OverTime { title: title.into(), y, from, to, series, rules, moment }.to_svg()
+        accelerations.truncate(cars);
+        let all = |_: &MetricReference| true;
+        let plain = |title, name, dimension, series, metric| Plot {
+            title,
+            name,
+            dimension,
+            series,
+            metric,
+            ceiling: None,
         };
-        let pairs = distances
-            .iter()
-            .map(|one| LegendEntry { swatch: one.look.swatch(true, false), label: one.name.clone() });
-        let pairs: Vec<LegendEntry> = pairs.collect();
         let mut panels = vec![
-            over("Speeds", "speed", Dimension::SPEED, speeds, None),
+            over(plain("Speeds", "speed", Dimension::SPEED, speeds, None), &all),
             over(
-                "Accelerations of vehicles",
-                "slope of the speed over 0.1 s",
-                Dimension::ACCELERATION,
-                accelerations,
-                Some(("max_deceleration", -1.0)),
+                plain(
+                    "Accelerations of vehicles",
+                    "slope of the speed over 0.1 s",
+                    Dimension::ACCELERATION,
+                    accelerations,
+                    Some(("max_deceleration", -1.0)),
+                ),
+                &all,
             ),
         ];
-        if !distances.is_empty() {
-            let bound = Some(("min_distance", 1.0));
-            panels.push(over("Distances between bodies", "distance", Dimension::LENGTH, distances, bound));
+        let distances = of_pairs(&|pair| pair.distances.clone());
+        let metric = Some(("min_distance", 1.0));
+        let title = "Distances between bodies";
+        panels.push(over(plain(title, "distance every 0.1 s", Dimension::LENGTH, distances, metric), &all));
+        let ahead = |title, straight| Plot {
+            title,
+            name: "every 0.1 s; a gap: on no collision course",
+            dimension: Dimension::TIME,
+            series: of_pairs(&|pair| pair.times_to_collision(recording, straight)),
+            metric: Some(("min_ttc", 1.0)),
+            ceiling: Some(LONGEST),
+        };
+        // Of a vehicle that never bends both predictions are the same.
+        let bends = recording.meetings.iter().any(|pair| !pair.straight_on.is_empty());
+        let along = |metric: &MetricReference| !bends || !goes_straight(metric);
+        panels.push(over(ahead("Time to collision", false), &along));
+        if asked.of("min_ttc").any(|reading| !along(reading.metric)) {
+            panels.push(over(ahead("Time to collision, straight on", true), &goes_straight));
         }
-        let entries = users()
-            .map(|(_, look, name)| LegendEntry { swatch: look.swatch(true, false), label: name.into() });
-        let legend = entries.chain(pairs).map(|entry| (entry.swatch, entry.label)).collect();
+        let rows = pairs.iter().filter_map(|pair| {
+            let user = |who: usize| if who < shown { Look::series(who) } else { First::Neither.look() };
+            let looks = (user(pair.vehicle), user(cars + pair.pedestrian));
+            Some(shared_area::rows(&asked, recording, pair.details(recording)?, looks))
+        });
+        panels.push(shared_area::picture(rows.flatten().collect(), (from, to), moment));
+        let first: Vec<usize> = pairs.iter().map(|pair| pair.pedestrian).collect();
+        let (minds, minds_left_out) = minds::pictures(recording, &first, (from, to), moment);
         let users_left_out = recording.users.len() - shown;
         let left_out = match (users_left_out, pairs_left_out) {
             (0, 0) => String::new(),
-            (0, pairs) => format!("Of {pairs} more pairs, which come less near, no distance is drawn."),
+            (0, pairs) => format!(
+                "Of {pairs} more pairs nothing is drawn: those that metrics took their values of come first, then those that come nearest."
+            ),
             (users, 0) => format!("{users} more road users are not drawn."),
             (users, pairs) => {
-                format!("{users} more road users and the distances of {pairs} more pairs are not drawn.")
+                format!("{users} more road users and what is between {pairs} more pairs are not drawn.")
             }
         };
+        let left_out = match minds_left_out {
+            0 => left_out,
+            people => {
+                format!("{left_out} What {people} more people make of it is not drawn.").trim_start().into()
+            }
+        };
+        let line = |look: Look, name: &str| (look.swatch(true, false), name.to_string());
+        let mut legend: Vec<_> = users().map(|(_, look, name)| line(look, name)).collect();
+        legend.extend(pairs.iter().map(|pair| line(pair.look, &pair.name)));
+        if is_marked.get() {
+            let marker = First::Neither.look().swatch(false, true);
+            legend.push((marker, "single marks: what a metric came to, from every step of the run".into()));
+        }
         let moment = moment.map_or_else(String::new, |time| format!("upright line: {time:.2} s"));
-        Self { from, to, legend, panels, moment, left_out }
+        let panels = panels.into_iter().flatten().map(Picture::plain).chain(minds);
+        Self { from, to, legend, panels: panels.collect(), moment, left_out }
+    }
+
+    /// How much of a page it takes, in bytes.
+    pub fn size(&self) -> usize {
+        let legend = self.legend.iter().map(|(swatch, words)| swatch.len() + words.len());
+        legend.chain(self.panels.iter().map(Picture::size)).sum()
     }
 }
 
-fn of_places(recording: &Recording, who: usize, pick: impl Fn(&Place) -> f64) -> Vec<(f64, f64)> {
+fn said(unit: Option<Notation>, dimension: Dimension) -> String {
+    unit.map_or_else(|| dimension.si_unit(), |unit| unit.symbol.as_str().to_string())
+}
+
+/// Where lines end above: at `ceiling`, or higher where a bound, or all that there is, would be too near to that or beyond.
+fn above(ceiling: f64, series: &[TimeSeries], rules: &[Rule]) -> f64 {
+    let values = series.iter().flat_map(|one| &one.points).filter_map(|point| point.1);
+    let lowest = values.reduce(f64::min).unwrap_or(0.0);
+    rules.iter().map(|rule| rule.value).chain([lowest]).map(|value| 1.2 * value).fold(ceiling, f64::max)
+}
+
+fn of_places(recording: &Recording, who: usize, pick: impl Fn(&Place) -> f64) -> Points {
     let places = recording.times.iter().zip(&recording.users[who]);
-    places.filter_map(|(time, place)| Some((*time, pick(place.as_ref()?)))).collect()
+    places.map(|(time, place)| (*time, place.as_ref().map(&pick))).collect()
 }
 
 /// The slope between each two points, at the time between them.
-fn slopes(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
+fn slopes(points: &[(f64, Option<f64>)]) -> Points {
     let far = points.windows(2).filter(|pair| pair[1].0 - pair[0].0 > 1e-3);
-    far.map(|pair| ((pair[0].0 + pair[1].0) / 2.0, (pair[1].1 - pair[0].1) / (pair[1].0 - pair[0].0)))
-        .collect()
-}
-
-/// Between each vehicle and each person, nearest pairs first, and how many pairs there would be more.
-fn distances(recording: &Recording) -> (Vec<TimeSeries>, usize) {
-    let cars = recording.case.world.vehicles.len();
-    let mut pairs: Vec<(f64, TimeSeries)> = Vec::new();
-    for car in 0..cars {
-        for person in cars..recording.users.len() {
-            let at = |index: usize| {
-                let (one, other) = (outline(recording, car, index)?, outline(recording, person, index)?);
-                Some((recording.times[index], apart(&one, &other)))
-            };
-            let points: Vec<(f64, f64)> = (0..recording.times.len()).filter_map(at).collect();
-            let nearest = points.iter().map(|point| point.1).fold(f64::INFINITY, f64::min);
-            let name = format!("{} and {}", recording.name(car), recording.name(person));
-            if !points.is_empty() {
-                pairs.push((nearest, TimeSeries { look: Look::series(0), name, points }));
-            }
-        }
-    }
-    pairs.sort_by(|one, other| one.0.total_cmp(&other.0));
-    let left_out = pairs.len().saturating_sub(MOST_PAIRS);
-    let first = recording.users.len().min(MOST_USERS);
-    let series = pairs.into_iter().take(MOST_PAIRS).enumerate();
-    let drawn = series.map(|(index, (_, one))| TimeSeries { look: Look::series(first + index), ..one });
-    (drawn.collect(), left_out)
-}
-
-/// A road user's outline at a recorded time, if it is there.
-pub fn outline(recording: &Recording, who: usize, index: usize) -> Option<Footprint> {
-    let place = recording.users[who][index].as_ref()?;
-    let (length, width, round) = recording.footprint(who);
-    let shape = if round { Shape::Disc { radius: length / 2.0 } } else { Shape::Rectangle { length, width } };
-    let heading = Vector2::new(libm::cos(place.heading), libm::sin(place.heading));
-    Some(Footprint { centre: Vector2::new(place.x, place.y), heading, shape })
-}
-
-/// The bounds on a metric that runs of its trial are held to, as lines; `sign` turns the metric into what is drawn.
-fn bounds(criteria: &[Criterion], metric: &str, sign: f64, unit: Option<Notation>) -> Vec<Rule> {
-    let rule = |criterion: &Criterion| {
-        let (Claim::Runs { comparison, .. }
-        | Claim::Aggregate {
-            aggregate: Aggregate::Rate(comparison) | Aggregate::Count(comparison), ..
-        }) = &criterion.claim
-        else {
-            return None;
-        };
-        let Expression::Constant(Value::Number(_)) = &comparison.bound else { return None };
-        let Rule { value, label } = comparison_rule(comparison, unit);
-        (comparison.metric.name() == metric)
-            .then(|| Rule { value: sign * value, label: format!("{metric} {label}") })
+    let slope = |pair: &[(f64, Option<f64>)]| {
+        let ((from, before), (to, after)) = (pair[0], pair[1]);
+        ((from + to) / 2.0, before.zip(after).map(|(before, after)| (after - before) / (to - from)))
     };
-    criteria.iter().filter_map(rule).collect()
+    far.map(slope).collect()
 }

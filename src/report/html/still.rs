@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use nalgebra::Vector2;
 
-use super::plots::outline;
+use super::pairs::outline;
 use crate::drawing::{view, world_marks};
 use files::escape::html;
 use results::Recording;

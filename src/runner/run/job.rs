@@ -10,6 +10,7 @@ use super::free_flow::FreeFlows;
 use super::panic::Panicked;
 use results::{Outcome, Requests};
 use scenario::{Case, DeclaredProgram};
+use sim::measure::{RecordedDetails, RunDetails};
 use sim::{Ending, GivenCommand, Observer, RunChange, Snapshot, Step, Timeline, TimelineEvent, Trace};
 
 /// What is read off runs, with what runs from the same start share.
@@ -51,6 +52,8 @@ pub enum Wanted {
     TraceAndEvents,
     /// And what every vehicle was told.
     Commands,
+    /// And what happened, and what reports draw besides.
+    Details,
 }
 
 /// Where in its [`Round`](super::Round) a run belongs, to whoever asked for it.
@@ -107,6 +110,9 @@ pub struct Ran {
     /// What each vehicle was told from time 0 on, where that was wanted.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub commands: Vec<Vec<GivenCommand>>,
+    /// What reports draw besides where everybody was, where that was wanted.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub details: Option<Box<RunDetails>>,
 }
 
 /// What a program decided for a vehicle.
@@ -198,6 +204,7 @@ pub(super) enum Watcher {
     Nothing(Unwatched),
     Trace(Trace),
     Both(Box<Timeline>, Trace),
+    Details(Box<RecordedDetails>, Box<Timeline>, Trace),
 }
 
 impl Watcher {
@@ -208,17 +215,24 @@ impl Watcher {
             Wanted::TraceAndEvents | Wanted::Commands => {
                 Self::Both(Box::new(Timeline::new(&case.world)), Trace::default())
             }
+            Wanted::Details => {
+                let (details, timeline) = (RecordedDetails::new(&case.world), Timeline::new(&case.world));
+                Self::Details(Box::new(details), Box::new(timeline), Trace::default())
+            }
         }
     }
 
     /// What was wanted of a run with that outcome.
     pub fn ran(self, outcome: Outcome) -> Ran {
-        let (trace, events) = match self {
+        let (trace, events, details) = match self {
             Self::Nothing(_) => Default::default(),
-            Self::Trace(trace) => (trace, Vec::new()),
-            Self::Both(timeline, trace) => (trace, timeline.into_events()),
+            Self::Trace(trace) => (trace, Vec::new(), None),
+            Self::Both(timeline, trace) => (trace, timeline.into_events(), None),
+            Self::Details(details, timeline, trace) => {
+                (trace, timeline.into_events(), Some(Box::new(details.into_details())))
+            }
         };
-        Ran { outcome, trace, events, decisions: Vec::new(), commands: Vec::new() }
+        Ran { outcome, trace, events, decisions: Vec::new(), commands: Vec::new(), details }
     }
 
     fn each(&mut self, tell: impl Fn(&mut dyn Observer)) {
@@ -226,6 +240,11 @@ impl Watcher {
             Self::Nothing(nobody) => tell(nobody),
             Self::Trace(trace) => tell(trace),
             Self::Both(timeline, trace) => {
+                tell(&mut **timeline);
+                tell(trace);
+            }
+            Self::Details(details, timeline, trace) => {
+                tell(&mut **details);
                 tell(&mut **timeline);
                 tell(trace);
             }

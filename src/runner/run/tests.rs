@@ -210,6 +210,7 @@ impl Round for PlayedRound<'_> {
             events: Vec::new(),
             decisions: Vec::new(),
             commands: Vec::new(),
+            details: None,
         });
         self.round.done(Done { result, ..done });
     }

@@ -34,11 +34,12 @@ pub fn courses(
     let case = |index: usize| outcomes[chosen[index].key.as_str()].0.clone();
     // Also of a session that was interrupted: what there is of it is drawn.
     let batch = RunBatch { stop: &Stop::default(), ..runner.batch() };
-    let ended = batch.each(chosen.len(), Wanted::TraceAndEvents, case, |case, ran| {
+    let ended = batch.each(chosen.len(), Wanted::Details, case, |case, ran| {
         let chosen = &chosen[made];
         made += 1;
         if ran.outcome.fingerprint == outcomes[chosen.key.as_str()].1.fingerprint {
-            return recordings.push((chosen.clone(), Recording::new(&case, &ran.trace, ran.events)));
+            let recording = Recording::new(&case, &ran.trace, ran.events);
+            return recordings.push((chosen.clone(), recording.with(ran.details.as_deref())));
         }
         let not_drawn = |why: &str| {
             format!("{} is not drawn: it came out differently when it was repeated{why}", case.key)

@@ -4,6 +4,7 @@ mod command;
 mod controller_error;
 mod mode;
 mod model_error;
+mod model_state;
 mod schedule;
 mod state;
 mod steered;
@@ -17,6 +18,7 @@ pub use command::{Command, CommandKind};
 pub use controller_error::ControllerError;
 pub use mode::Mode;
 pub use model_error::{ModelError, Stated, StatedBy};
+pub use model_state::{ModelState, StateQuantity};
 pub use schedule::Schedule;
 pub use state::{Longitudinal, PedestrianState, Snapshot, VehicleState, velocity_inside};
 pub use steered::Steered;
@@ -36,6 +38,17 @@ pub trait Pedestrian: Send {
 
     /// The speed at which it would walk without traffic, m/s.
     fn free_speed(&self) -> f64;
+
+    /// The quantities that [`Self::state`] has values of. None, unless a model says otherwise.
+    fn state_quantities(&self) -> Vec<StateQuantity> {
+        Vec::new()
+    }
+
+    /// What it makes of the situation since the last [`Self::act`]; `None` where it weighs nothing. Asked of runs that are drawn alone, and
+    /// nobody in a run is told.
+    fn state(&self) -> Option<ModelState> {
+        None
+    }
 }
 
 /// What a pedestrian sees.

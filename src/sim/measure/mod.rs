@@ -2,6 +2,7 @@
 //!
 //! What each metric that ships means stands beside the models; here is what all of them are read off.
 
+mod details;
 mod encounter;
 mod events;
 mod measurement;
@@ -14,6 +15,7 @@ use crate::{Snapshot, Solid, Step};
 use numbers::json;
 use scenario::{Absence, Meters, Scope, Settings, World, Worst};
 
+pub use details::{PairDetails, PassingTimes, PersonDetails, RecordedDetails, RunDetails, VisitTimes};
 pub use encounter::{
     Contact, Encounter, Encounters, Entry, LaneCrossing, MEETING_TIME, Presence, part_within, strip,
 };

@@ -1,5 +1,7 @@
 //! When a vehicle reached which place: the record that answers for places known only later.
 
+use serde::{Deserialize, Serialize};
+
 /// The course of one vehicle along its lane.
 ///
 /// A conflict point is known only once the pedestrian passes it, which may be after the vehicle. So one number per
@@ -11,7 +13,8 @@ pub struct Passage {
 }
 
 /// When a place was reached.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Reached {
     /// It lies at or behind the start.
     BeforeStart,

@@ -66,7 +66,9 @@ pub struct AgentDecision {
 /// What went on in an agent's mind at its last decision, for inspection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Thoughts {
-    /// The other that decided, as perceived.
+    /// The number of the other that decided.
+    pub other: usize,
+    /// That one, as perceived.
     pub percept: Percept,
     /// P(b|j) of that one.
     pub probabilities: PerBehaviour,
@@ -136,6 +138,11 @@ impl CommotionsAgent {
     /// What went on at the last decision; `None` when the last step needed none.
     pub fn thoughts(&self) -> Option<&Thoughts> {
         self.thoughts.as_ref()
+    }
+
+    /// What speaks for each action since the last decision, and above which threshold it is taken, as [`Decider::evidence`] has it.
+    pub fn evidence(&self) -> ([f64; ACTIONS], f64) {
+        self.decider.evidence()
     }
 
     /// One step with one other: what to do, given what both publish.
@@ -215,7 +222,8 @@ impl CommotionsAgent {
         }
         (self.met, self.decided) = (Some(met), true);
         let Other { percept, probabilities, .. } = self.others[met];
-        self.thoughts = Some(Thoughts { percept, probabilities, estimates: *self.decider.estimates() });
+        self.thoughts =
+            Some(Thoughts { other: met, percept, probabilities, estimates: *self.decider.estimates() });
         Some(AgentDecision { acceleration: self.plan.end_step(), action })
     }
 

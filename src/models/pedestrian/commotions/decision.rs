@@ -42,6 +42,17 @@ impl Decider {
         &self.estimates
     }
 
+    /// What speaks for each action, which is taken above the threshold: the surplus of its estimate over that of no new action, or what of
+    /// that has accumulated (`oDA`, s); with the threshold.
+    pub fn evidence(&self) -> ([f64; ACTIONS], f64) {
+        let surplus = || self.estimates.map(|estimate| estimate - self.estimates[NO_ACTION]);
+        let evidence = match self.accumulation {
+            Accumulation::None | Accumulation::Evidence => surplus(),
+            Accumulation::Decision => self.accumulated,
+        };
+        (evidence, self.threshold)
+    }
+
     /// Whether acting resets what was thought before it (`oEA`).
     pub fn forgets_by_acting(&self) -> bool {
         self.accumulation == Accumulation::Evidence
@@ -124,6 +135,8 @@ mod tests {
         // Half of the value the first step, three quarters after the second: 0.06 > 0.5 · 0.1.
         assert_eq!(evidence.decide(&values, none), None);
         assert!((evidence.estimates()[4] - 0.04).abs() < 1e-15);
+        let (surplus, threshold) = evidence.evidence();
+        assert!((surplus[4] - 0.04).abs() < 1e-15 && (threshold - 0.05).abs() < 1e-15, "{surplus:?}");
         assert_eq!(evidence.decide(&values, none), Some(4));
         assert_eq!(evidence.estimates(), &[0.0; 5]);
     }
@@ -134,7 +147,9 @@ mod tests {
         let none = &mut RecordedDraws::new(&[]);
         let values = [0.0, 0.0, 0.0, 0.3, 0.2];
         assert_eq!(decision.decide(&values, none), None);
+        assert_eq!(decision.evidence(), ([0.0, 0.0, 0.0, 0.1 * 0.3, 0.1 * 0.2], 0.05));
         assert_eq!(decision.decide(&values, none), Some(3));
+        assert_eq!(decision.evidence().0, [0.0; 5]);
         assert_eq!(decision.estimates(), &values);
         assert_eq!(decision.decide(&values, none), None);
     }

@@ -1,8 +1,10 @@
 //! The COMMOTIONS pedestrian as a registered model: its declaration, and what stands between the world and the agents.
 
+use super::action::{ACTION_SIZES, ACTIONS, NO_ACTION};
 use super::agent::{CommotionsAgent, ConflictState, Rules, Sight};
 use super::following;
 use super::parameters::{Parameters, individual_ranges, parameters};
+use super::prediction::{BEHAVIOUR_LIST, Behaviour};
 use super::state::{AgentBody, Control, State};
 use super::variant::{Accumulation, Variant, VariantError};
 use crate::pedestrian::across::check_across;
@@ -13,8 +15,8 @@ use scenario::{Conflict, ConflictArea, Declaration, Dimension, Road, Settings, S
 use sim::random::{self, Purpose};
 use sim::sight::sees_vehicle;
 use sim::{
-    Longitudinal, Mode, ModelError, Motion, Pedestrian, PedestrianState, Scene, Stated, StatedBy,
-    VehicleState,
+    Longitudinal, Mode, ModelError, ModelState, Motion, Pedestrian, PedestrianState, Scene, StateQuantity,
+    Stated, StatedBy, VehicleState,
 };
 
 /// The registry entry.
@@ -346,6 +348,42 @@ impl Pedestrian for Walker {
     fn free_speed(&self) -> f64 {
         self.free_speed
     }
+
+    fn state_quantities(&self) -> Vec<StateQuantity> {
+        let quantity = |group: &str, name: String, range| StateQuantity { group: group.into(), name, range };
+        let action = |j: usize| match j {
+            NO_ACTION => "no new action".to_string(),
+            _ => format!("{:+} m/s", ACTION_SIZES[j]),
+        };
+        let values = (0..ACTIONS).map(|j| quantity("value of each action", action(j), (-1.0, 1.0)));
+        let names = new_actions().map(action).chain(["threshold".to_string()]);
+        let evidence = names.map(|name| quantity("evidence for each action", name, (-1.0, 1.0)));
+        let behaviours = BEHAVIOUR_LIST.iter().map(|behaviour| {
+            let name = match behaviour {
+                Behaviour::Constant => "keeps its speed",
+                Behaviour::PassFirst => "passes first",
+                Behaviour::PassSecond => "passes second",
+            };
+            quantity("what the vehicle does, if no new action", name.into(), (0.0, 1.0))
+        });
+        values.chain(evidence).chain(behaviours).collect()
+    }
+
+    /// V̂ per action and what speaks for each (§8.5, §8.6), and P(b|j) of no new action (§8.4), of the last decision.
+    fn state(&self) -> Option<ModelState> {
+        let thoughts = self.agent.thoughts()?;
+        let (evidence, threshold) = self.agent.evidence();
+        let evidence = new_actions().map(|j| evidence[j]).chain([threshold]);
+        let beliefs = thoughts.probabilities.iter().map(|of_behaviour| of_behaviour[NO_ACTION]);
+        Some(ModelState {
+            about: Some(thoughts.other),
+            values: thoughts.estimates.iter().copied().chain(evidence).chain(beliefs).collect(),
+        })
+    }
+}
+
+fn new_actions() -> impl Iterator<Item = usize> {
+    (0..ACTIONS).filter(|j| *j != NO_ACTION)
 }
 
 /// Whether somebody beside the road, or kept on a refuge, has no green. Who is on the road goes on.
