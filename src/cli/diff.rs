@@ -419,7 +419,8 @@ mod tests {
         };
         assert_eq!(both("av=a,b"), ["av=a", "av=b"]);
         assert_eq!(both("av=a { x: 1 m, y: 2 m }"), ["av=a { x: 1 m, y: 2 m }"]);
-        assert_eq!(both("av=a{x: f(1, 2)},b{word: \"c,d\"}").len(), 2);
+        let parts = apart("av=a{x: f(1, 2)},b{word: \"c,d\"}");
+        assert_eq!(parts, ["av=a{x: f(1, 2)}", "b{word: \"c,d\"}"]);
         assert!(both("av=a,b,c")[0].contains("has 3 values"), "{:?}", both("av=a,b,c"));
         assert!(both("av=a,")[0].contains("names no controller"));
         assert!(both("av")[0].contains("names no controller"));

@@ -400,3 +400,49 @@ fn seeds_that_were_tried_and_did_not_pass_are_told() {
     assert!(!text.contains("tried"), "{text}");
     assert!(!store.exists());
 }
+
+/// What a sequential gate says leaves no doubt ends its suite, and every report says so.
+#[test]
+fn a_sequential_gate_ends_its_suite() {
+    const SEQUENTIAL: &str =
+        "  gate careful {\n    baseline \"b.json\"\n    sequential\n    primary collision not worse\n  }\n";
+    let folder = folder(&suite("", SEQUENTIAL), &suite(", braking_distance: 2.5 m", SEQUENTIAL));
+    let run = |arguments: &[&str]| {
+        let output = scenario_runner(folder.path(), arguments);
+        (code(&output), stdout(&output) + &stderr(&output))
+    };
+    assert_eq!(run(&["baseline", "save", "before.suite"]).0, 0);
+    let (same, text) = run(&["before.suite"]);
+    assert!(
+        same == 0 && text.contains("sequential: no doubt at 12 looks before all runs were there"),
+        "{text}"
+    );
+    let (worse, text) = run(&["now.suite", "--json", "r.json", "--junit", "j.xml", "--html", "r.html"]);
+    assert_eq!(worse, 104, "{text}");
+    for said in [
+        "a gate failed before all runs were made; what is left of its suite is not run",
+        "sequential: failed after ",
+        " of 100 runs, at look ",
+        "5 not run",
+    ] {
+        assert!(text.contains(said), "{said}: {text}");
+    }
+    let json: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(folder.path().join("r.json")).unwrap()).unwrap();
+    let gate = &json["suites"][0]["gates"][0];
+    assert_eq!(
+        (gate["verdict"].as_str(), gate["result"]["looks"]["ended_it_of"].as_u64()),
+        (Some("failed"), Some(100))
+    );
+    // What was written is read again as it was.
+    let (code, again) = run(&["report", "r.json"]);
+    assert_eq!(code, 104, "{again}");
+    assert!(again.contains("sequential: failed after "), "{again}");
+    for page in ["j.xml", "r.html"] {
+        let page = fs::read_to_string(folder.path().join(page)).unwrap();
+        assert!(page.contains("a gate failed before all runs were made"), "{page}");
+    }
+    // Whoever has all runs comes to the same.
+    let (code, compared) = run(&["compare", "b.json", "now.suite"]);
+    assert!(code == 104 && compared.contains("sequential: failed after "), "{compared}");
+}

@@ -49,6 +49,7 @@ impl<'e> Remembered<'e> {
             events: Vec::new(),
             decisions: Vec::new(),
             commands: Vec::new(),
+            details: None,
         };
         Some(Done { place: job.place, case, result: Ok(ran) })
     }
