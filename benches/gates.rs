@@ -10,7 +10,7 @@ use files::{Disk, Memory};
 use models::standard;
 use numbers::random::Stream;
 use results::judge::baseline::Baseline;
-use results::judge::gate::{ALONG_THE_WAY, Rounds, blanket_rule, judge_gate, look_at};
+use results::judge::gate::{ALONG_THE_WAY, LookRounds, blanket_rule, judge_gate, look_at};
 use results::{Check, CheckOutcome, ComparedSubject, GateVerdict, Requests, Verdict};
 use runner::baseline::record;
 use runner::plan::plan;
@@ -152,7 +152,7 @@ fn one_pair(suite: &Suite, pair: u64) -> Vec<Counts> {
                 .any(|check| counts(check) && check.adjusted_p_value.is_some_and(|p| p <= least))
         };
         let ended = |candidate: &Baseline| {
-            let mut looks = Rounds::of(candidate).looks();
+            let mut looks = LookRounds::of(candidate).looks();
             looks.find_map(|after| {
                 look_at(&sequential, &base, candidate, false, after).expect("they may be compared")
             })

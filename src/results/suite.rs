@@ -13,10 +13,10 @@ use super::rating::RatingReport;
 use super::recorded::RecordedReport;
 use super::skip::Skip;
 use super::standing::Standing;
-use super::summary::{ScenarioSummary, SuiteSummary};
-use super::trial::{TrialReport, TrialState};
+use super::summary::SuiteSummary;
+use super::trial::TrialReport;
 use numbers::json;
-use scenario::{Criterion, TestedInstead};
+use scenario::TestedInstead;
 
 /// More seeds are counted, not named.
 const MOST_SEEDS_NAMED: usize = 10;
@@ -269,23 +269,9 @@ impl SuiteReport {
         }
     }
 
-    /// How many claims with a confidence were judged: of trials and of estimates. Of a scenario whose trials differ in what they claim, and are
-    /// not all held, as many at least.
+    /// How many claims with a confidence were judged: of trials and of estimates.
     pub fn claims_with_confidence(&self) -> usize {
-        let stated = |criteria: &[Criterion]| {
-            criteria.iter().filter(|criterion| criterion.claim.confidence().is_some()).count()
-        };
-        let of_scenario = |scenario: &ScenarioSummary| {
-            let each = scenario.criteria.iter().map(|applied| stated(&applied.criteria)).min();
-            each.unwrap_or(0) * scenario.ran()
-        };
-        let of_trials = match &self.summary {
-            Some(summary) => summary.scenarios.iter().map(of_scenario).sum(),
-            None => {
-                let judged = self.trials.iter().filter(|trial| matches!(trial.state, TrialState::Judged(_)));
-                judged.map(|trial| stated(&trial.trial.criteria)).sum::<usize>()
-            }
-        };
+        let of_trials: usize = self.summary().scenarios.iter().map(|scenario| scenario.claims).sum();
         let of_block = |block: &BlockReport| match block.result() {
             Some(BlockResult::Estimate(estimate)) => estimate.claims.len(),
             _ => 0,

@@ -34,6 +34,9 @@ pub struct ScenarioSummary {
     pub cut_off: usize,
     /// Trials with criteria that passed without being put to the test.
     pub untested: usize,
+    /// Criteria with a confidence that were judged, in all trials.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub claims: usize,
     /// The names of what varies, known once a trial was run.
     pub varied: Vec<String>,
     /// The criteria of the trials that were run: each list that there is, with the first trial that has it.
@@ -43,6 +46,10 @@ pub struct ScenarioSummary {
     /// Trials that were judged, passed and are not held, in the order of the suite; only where some trial of the scenario did
     /// not pass, to tell by what it differs from them.
     pub passed: Vec<PassedTrial>,
+}
+
+fn is_zero(count: &usize) -> bool {
+    *count == 0
 }
 
 /// How many trials stand so.
@@ -145,6 +152,7 @@ impl ScenarioSummary {
         }
         if let TrialState::Judged(judged) = &trial.state {
             self.cut_off += judged.horizon.as_ref().map_or(0, |horizon| horizon.runs);
+            self.claims += judged.findings.iter().filter(|finding| finding.confidence.is_some()).count();
             self.untested += usize::from(judged.findings.iter().any(|finding| finding.vacuous.is_some()));
             for (index, finding) in judged.findings.iter().enumerate() {
                 self.nearest((place, index), finding);

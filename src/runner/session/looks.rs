@@ -11,7 +11,7 @@ use crate::baseline::record_outcome;
 use crate::plan::PlannedTrial;
 use crate::run::{Panicked, Remembered};
 use results::judge::baseline::Baseline;
-use results::judge::gate::{Rounds, look_at};
+use results::judge::gate::{LookRounds, look_at};
 use results::{Event, GateReport, GateState, GateVerdict, NotJudged, Reporter};
 use scenario::{Case, Gate};
 
@@ -117,7 +117,7 @@ impl<'a> Runner<'a> {
                 planned.iter().position(is_it).expect("the frame is of the plan")
             })
             .collect();
-        let rounds = Rounds::of(&seen);
+        let rounds = LookRounds::of(&seen);
         let mut before = 0;
         for after in rounds.looks() {
             let mut wanted: Vec<(usize, usize)> = Vec::new();

@@ -5,10 +5,11 @@
 
 use std::collections::HashSet;
 
+use super::changes;
 use super::check;
 use super::measure::differences;
 use super::questions::{self, About, ComparisonPlace, Question};
-use super::{changes, with_default};
+use super::rules::with_default;
 use crate::judge::baseline::{Baseline, Incompatible, Pairing, RecordedTrial, pair};
 use crate::{Check, CheckOutcome, GateVerdict, Looks, Power, Verdict};
 use numbers::inference::evidence_of_worse;
@@ -19,12 +20,12 @@ pub const ALONG_THE_WAY: f64 = 0.1;
 
 /// In which order the runs of a suite are looked at: in rounds of one run, or one person's runs, of each trial.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Rounds {
+pub struct LookRounds {
     /// Per trial: how many runs it has, and how many of them a round takes.
     trials: Vec<(usize, usize)>,
 }
 
-impl Rounds {
+impl LookRounds {
     /// Of all runs of a suite.
     pub fn of(all: &Baseline) -> Self {
         Self { trials: all.trials.iter().map(|trial| (trial.runs.len(), at_once(trial))).collect() }
@@ -72,14 +73,14 @@ pub fn look_at(
     lenient: bool,
     after: usize,
 ) -> Result<Option<GateVerdict>, Vec<Incompatible>> {
-    look(gate, &pair(base, candidate, lenient)?, &Rounds::of(candidate), after)
+    look(gate, &pair(base, candidate, lenient)?, &LookRounds::of(candidate), after)
 }
 
 /// The same of baselines that belong together.
 pub fn look(
     gate: &Gate,
     all: &Pairing,
-    rounds: &Rounds,
+    rounds: &LookRounds,
     after: usize,
 ) -> Result<Option<GateVerdict>, Vec<Incompatible>> {
     let made = Made::of(all, rounds, after);
@@ -133,7 +134,7 @@ struct Made {
 }
 
 impl Made {
-    fn of(all: &Pairing, rounds: &Rounds, after: usize) -> Self {
+    fn of(all: &Pairing, rounds: &LookRounds, after: usize) -> Self {
         let mut candidate = all.candidate.clone();
         let columns: Vec<Option<usize>> = candidate
             .metrics

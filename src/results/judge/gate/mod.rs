@@ -9,83 +9,22 @@ mod looks;
 mod measure;
 mod power;
 mod questions;
+mod rules;
 #[cfg(test)]
 mod tests;
 
 use super::baseline::{Baseline, Incompatible, Pairing, pair};
 use crate::{BlindPlace, Check, CheckOutcome, GateVerdict, Looks, Power, Verdict};
-use scenario::{Gate, GateRule, MetricReference, Reference, Tolerance};
+use scenario::{Gate, GateRule, Tolerance};
 
 use family::Families;
 use measure::{Differences, differences};
+use rules::with_default;
 
 pub use changes::vehicle_changes;
-pub use looks::{ALONG_THE_WAY, Rounds, look_at};
+pub use looks::{ALONG_THE_WAY, LookRounds, look_at};
 pub use power::{OFTEN, share_of_one};
-
-/// The rule that a comparison has where no gate is named: no metric worse by more than this.
-pub fn blanket_rule(tolerance: f64, confidence: f64) -> GateRule {
-    let percent = |share: f64| scenario::significant(100.0 * share, 6);
-    GateRule {
-        metric: None,
-        rate: None,
-        tolerance: Tolerance::Relative(tolerance),
-        primary: false,
-        confidence,
-        text: format!(
-            "no metric worse by more than {} % with {} % confidence",
-            percent(tolerance),
-            percent(confidence)
-        ),
-        notation: None,
-        origin: Default::default(),
-    }
-}
-
-/// `collision not worse`, with the confidence of another rule.
-pub fn collision_rule(confidence: f64) -> GateRule {
-    let percent = scenario::significant(100.0 * confidence, 6);
-    GateRule {
-        tolerance: Tolerance::Relative(0.0),
-        confidence,
-        text: format!("{COLLISION} not worse with {percent} % confidence"),
-        ..no_new_collision()
-    }
-}
-
-/// The rule on collisions that holds unless a gate says otherwise: where the base has none, no run may have one.
-fn no_new_collision() -> GateRule {
-    let metric = MetricReference::plain(Reference::unresolved(COLLISION));
-    GateRule {
-        metric: Some(metric),
-        rate: None,
-        tolerance: Tolerance::NoneNew { where_none_was: true },
-        primary: false,
-        confidence: 1.0,
-        text: "no new collision, where the baseline has none".to_string(),
-        notation: None,
-        origin: Default::default(),
-    }
-}
-
-const COLLISION: &str = "collision";
-
-/// The rules, and what holds unless they say otherwise.
-fn with_default(rules: &[GateRule], pairing: &Pairing) -> Vec<GateRule> {
-    let default = no_new_collision();
-    // Whoever tolerates more collisions, or none at all, has said so.
-    let says_otherwise = |rule: &GateRule| {
-        let about = rule.metric == default.metric;
-        about && !matches!(rule.tolerance, Tolerance::Relative(0.0) | Tolerance::Absolute(0.0))
-    };
-    let measured = |side: &Baseline| side.metrics.iter().any(|metric| metric.label == COLLISION);
-    let applies = pairing.same_seeds && measured(pairing.base) && measured(pairing.candidate);
-    let mut all = rules.to_vec();
-    if applies && !rules.iter().any(says_otherwise) {
-        all.push(default);
-    }
-    all
-}
+pub use rules::{blanket_rule, collision_rule};
 
 /// Judges what a gate says about a suite and a baseline of the same suite. With `lenient`, trials that the base lacks are left out instead of being a reason not to
 /// compare.
@@ -114,7 +53,7 @@ pub fn judge_paired(gate: &Gate, pairing: &Pairing) -> Result<GateVerdict, Vec<I
     if !gate.sequential {
         return judge_rules(&gate.name, &gate.rules, pairing, 1.0);
     }
-    let rounds = Rounds::of(pairing.candidate);
+    let rounds = LookRounds::of(pairing.candidate);
     for after in rounds.looks() {
         if let Some(failed) = looks::look(gate, pairing, &rounds, after)? {
             return Ok(failed);

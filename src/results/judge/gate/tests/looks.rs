@@ -35,10 +35,10 @@ fn reseeded(all: Baseline) -> Baseline {
 #[test]
 fn one_looks_ever_more_seldom_and_before_the_end() {
     let all = flags(&[trial("a/x=1", 20), trial("a/x=2", 20)], |_, _| false);
-    let looks: Vec<usize> = Rounds::of(&all).looks().collect();
+    let looks: Vec<usize> = LookRounds::of(&all).looks().collect();
     assert_eq!(looks, [1, 2, 3, 4, 5, 6, 7, 8, 10, 12, 15, 18]);
     let one = flags(&[trial("a", 1)], |_, _| false);
-    assert_eq!((Rounds::of(&one).len(), Rounds::of(&one).looks().count()), (1, 0));
+    assert_eq!((LookRounds::of(&one).len(), LookRounds::of(&one).looks().count()), (1, 0));
 }
 
 #[test]
@@ -164,7 +164,7 @@ fn without_a_change_few_gates_fail_along_the_way() {
             flags(&trials(), |trial, run| lots[trial][run])
         };
         let (base, candidate) = (draw(), reseeded(draw()));
-        let mut looks = Rounds::of(&candidate).looks();
+        let mut looks = LookRounds::of(&candidate).looks();
         looks.any(|after| look_at(&gate, &base, &candidate, false, after).unwrap().is_some())
     };
     // Three standard errors beyond 0.25 % of 1,000.
@@ -195,7 +195,7 @@ proptest! {
             let seen = |all: &Baseline| look_at(&gate, &base, all, false, after).unwrap();
             prop_assert_eq!(seen(&whole), seen(&so_far));
             // And what a look says is what the gate comes to if it is the first that does.
-            let mut looks = Rounds::of(&whole).looks();
+            let mut looks = LookRounds::of(&whole).looks();
             let first = looks.find_map(|after| look_at(&gate, &base, &whole, false, after).unwrap());
             if let Some(first) = first {
                 let verdict = paired(&gate, &base, &whole);
