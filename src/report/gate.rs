@@ -118,6 +118,12 @@ pub fn context(verdict: &GateVerdict) -> Vec<String> {
         verdict.count(CheckOutcome::NotShown),
     )];
     let by_chance = !verdict.nondeterministic.is_empty();
+    if verdict.on_course > 0 {
+        lines.push(format!(
+            "{} ended at the horizon on a collision course, of which nobody knows what would have come: give `horizon` more time",
+            count(verdict.on_course, "run"),
+        ));
+    }
     lines.extend(verdict.looks.map(|looks| match looks.ended_it_of {
         Some(all) => format!(
             "sequential: failed after {} of {}, at look {}; what else there may be was not compared",

@@ -42,6 +42,8 @@ pub fn record_outcome(
     requests: &Requests,
 ) {
     let Baseline { metrics, trials, .. } = recorded;
+    trials[trial].on_course +=
+        usize::from(outcome.cut_off.as_ref().is_some_and(|cut| !cut.on_course.is_empty()));
     for (row, metric) in trials[trial].values.iter_mut().zip(metrics) {
         let measured = requests.iter().position(|one| one.label() == metric.label);
         row[run] = outcome.metrics[measured.expect("it was measured")].map(rounded);
@@ -78,6 +80,7 @@ pub fn frame<'t>(
             certain: nothing_is_drawn(&trial.cases),
             fingerprint: String::new(),
             seeds: Some(seeds(trial)),
+            on_course: 0,
             warnings: departures(trial),
             parts: trial_parts(trial, middle),
             vehicles: place,

@@ -192,6 +192,53 @@ fn without_a_baseline_or_for_a_part_nothing_is_looked_at() {
     assert!(told.stopping.is_empty());
 }
 
+/// A trial that has all its runs by then has failed by itself, which goes before what got worse.
+#[test]
+fn what_has_all_its_runs_is_judged() {
+    let base = recorded(&suite("5 m", PLENTY, ""));
+    let alone = "scenario alone {
+    road { lane_width 4 m; speed_limit 30 km/h; crossing zebra }
+    vehicle av { controller constant_speed; speed 30 km/h; start 40 m before crossing }
+    pedestrian walker { model scripted; start 2 m from kerb; appears at 20 s }
+    expect { max_deceleration > 1 m/s^2 }
+  }";
+    let both = format!("{alone}\n  {GATE}");
+    let base_of_both = recorded(&suite("5 m", PLENTY, alone));
+    let (results, ..) = run(&files(&suite("2.5 m", PLENTY, &both), &base_of_both), Threads::new(2));
+    let standing: Vec<_> = results.suites[0].trials.iter().map(|trial| trial.verdict()).collect();
+    assert_eq!(standing, [None, None, None, Some(Verdict::Failed)]);
+    assert_eq!(results.overall(), Overall::Failed);
+    // Who stops at the first failure begins nothing more, in other suites either.
+    let free = suite("5 m", "repeat 4\n    expect { max_deceleration <= 100 m/s^2 }", "");
+    let free = free.replace("suite late", "suite free");
+    let files = files(&suite("2.5 m", PLENTY, GATE), &base).with("free.suite", free.as_str());
+    let both = ["late.suite", "free.suite"];
+    let project = Project::open_all(both, &ProjectOptions::default(), &standard(), &files);
+    let project = project.unwrap_or_else(|error| panic!("{error}"));
+    let first = Selection::all().until_failures(Some(1));
+    let results = Session::new(&project).courses(false).run(&first, &mut Unheard).unwrap();
+    assert!(results.suites.iter().flat_map(|suite| &suite.trials).all(|trial| trial.skipped()));
+    assert_eq!(results.overall(), Overall::Regressed);
+}
+
+/// The horizon ends every run before anybody can be hit: that nobody was is no pass.
+#[test]
+fn runs_that_the_horizon_ends_before_the_crash_pass_no_gate() {
+    let short = |distance: &str, gate: &str| {
+        suite(distance, "horizon 2.4 s\n    repeat 30\n    expect { max_deceleration <= 100 m/s^2 }", gate)
+    };
+    let gate = "gate braking { baseline \"base.json\"; collision not worse by more than 50 % }";
+    for gate in [gate.to_string(), gate.replace("base.json\";", "base.json\"; sequential;")] {
+        let (results, ..) = run(&files(&short("1 m", &gate), &recorded(&short("5 m", ""))), Threads::new(2));
+        let results::GateState::Judged(verdict) = &results.suites[0].gates[0].state else { panic!() };
+        assert_eq!((verdict.verdict, results.overall()), (Verdict::Inconclusive, Overall::Inconclusive));
+        assert!(verdict.on_course > 5, "{}", verdict.on_course);
+    }
+    // A baseline says so, too, and is read again.
+    let base = recorded(&short("1 m", ""));
+    assert!(base.contains("\"on_course\": "), "{base}");
+}
+
 /// What needs a trial of a suite that ended is not run; other suites and searches are.
 #[test]
 fn only_what_belongs_to_the_suite_is_called_off() {

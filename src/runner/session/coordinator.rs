@@ -48,7 +48,7 @@ impl<'a> Runner<'a> {
         let (started, begun) = (SystemTime::now(), Instant::now());
         reporter.tell(&Event::Begun(&outline(units, orders.chosen)));
         let looked = orders.memory.map_or_else(Looked::default, |memory| {
-            self.look(units, orders.chosen, (memory, orders.lenient), reporter)
+            self.look(units, orders.chosen, orders.max_failures, (memory, orders.lenient), reporter)
         });
         let mut chosen = orders.chosen.to_vec();
         looked.called_off.iter().for_each(|unit| chosen[*unit] = false);

@@ -42,13 +42,15 @@ impl<'a> Runner<'a> {
         &self,
         units: &Units<'a>,
         chosen: &[bool],
+        max_failures: Option<usize>,
         (memory, lenient): (&Remembered, bool),
         reporter: &mut dyn Reporter,
     ) -> Looked {
         let mut looked = Looked::default();
+        let is_enough = |looked: &Looked| max_failures.is_some_and(|most| looked.gates.len() >= most);
         for suite in 0..self.suites().len() {
             // Who gives a trial so much time measures it while the trial is run.
-            if self.suites()[suite].plan.time_limit.is_some() {
+            if self.suites()[suite].plan.time_limit.is_some() || is_enough(&looked) {
                 continue;
             }
             let own: Vec<usize> = (0..units.len())
@@ -66,16 +68,24 @@ impl<'a> Runner<'a> {
             let failed = self.look_at_suite(suite, &own, &gates, (memory, lenient), (&mut looked, reporter));
             if !failed.is_empty() {
                 looked.gates.insert(suite, self.ended(suite, failed));
-                // Nor can be run what needs a trial of it.
+                // What has all its runs is judged.
+                let is_open = |unit: &usize| looked.told.get(unit).copied().unwrap_or(0) < units.runs(*unit);
+                let open: Vec<usize> = own.into_iter().filter(is_open).collect();
+                // What needs another trial cannot be run.
                 let needs_one = |unit: &usize| {
                     let mut only = vec![false; units.len()];
                     only[*unit] = true;
                     let needed = with_needs(units, only);
-                    chosen[*unit] && own.iter().any(|trial| needed[*trial])
+                    chosen[*unit] && open.iter().any(|trial| needed[*trial])
                 };
                 looked.called_off.extend(units.others().filter(needs_one));
-                looked.called_off.extend(own);
+                looked.called_off.extend(open);
             }
+        }
+        if is_enough(&looked) {
+            let left = |unit: &usize| chosen[*unit] && !looked.gates.contains_key(&units.suite(*unit));
+            let others: Vec<usize> = (0..units.len()).filter(left).collect();
+            looked.called_off.extend(others);
         }
         looked.called_off.sort_unstable();
         looked

@@ -230,6 +230,9 @@ fn trial_text(baseline: &Baseline, trial: &RecordedTrial) -> String {
     if let Some(seeds) = &trial.seeds {
         line(3, &format!("\"seeds\": {},", json(seeds)));
     }
+    if trial.on_course > 0 {
+        line(3, &format!("\"on_course\": {},", trial.on_course));
+    }
     if !trial.warnings.is_empty() {
         line(3, &format!("\"warnings\": {},", json(&trial.warnings)));
     }
@@ -318,6 +321,8 @@ struct TrialInFile {
     fingerprint: String,
     #[serde(default)]
     seeds: Option<String>,
+    #[serde(default)]
+    on_course: usize,
     #[serde(default)]
     warnings: Vec<String>,
     parts: Parts,
@@ -426,6 +431,7 @@ impl TrialInFile {
             certain: self.certain,
             fingerprint: self.fingerprint,
             seeds: self.seeds,
+            on_course: self.on_course,
             warnings: self.warnings,
             parts: self.parts,
             vehicles: self.vehicles,

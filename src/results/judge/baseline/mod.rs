@@ -108,6 +108,10 @@ pub struct TestedVehicle {
     pub obeys_signals: bool,
 }
 
+fn is_none(count: &usize) -> bool {
+    *count == 0
+}
+
 fn is_false(flag: &bool) -> bool {
     !flag
 }
@@ -125,6 +129,9 @@ pub struct RecordedTrial {
     pub fingerprint: String,
     /// Changes when the seed of any run does; 12 hexadecimal digits. Baselines of version 0.1 do not say.
     pub seeds: Option<String>,
+    /// How many of its runs the horizon ended on a collision course: what they came to is not known.
+    #[serde(skip_serializing_if = "is_none")]
+    pub on_course: usize,
     /// Models in it that are others than were published, in words.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,

@@ -10,10 +10,10 @@ use super::check;
 use super::measure::differences;
 use super::questions::{self, About, ComparisonPlace, Question};
 use super::rules::with_default;
-use crate::judge::baseline::{Baseline, Incompatible, Pairing, RecordedTrial, pair};
+use crate::judge::baseline::{Baseline, Incompatible, Pairing, RecordedMetric, RecordedTrial, pair};
 use crate::{Check, CheckOutcome, GateVerdict, Looks, Power, Verdict};
 use numbers::inference::evidence_of_worse;
-use scenario::{Gate, GateRule, Tolerance};
+use scenario::{Gate, GateRule, MetricReference, Tolerance};
 
 /// Of the error of a sequential gate what is spent on looks along the way; the rest is for the end.
 pub const ALONG_THE_WAY: f64 = 0.1;
@@ -83,15 +83,16 @@ pub fn look(
     rounds: &LookRounds,
     after: usize,
 ) -> Result<Option<GateVerdict>, Vec<Incompatible>> {
-    let made = Made::of(all, rounds, after);
+    let rules = &with_default(&gate.rules, all);
+    let named: Vec<&MetricReference> = rules.iter().filter_map(|rule| rule.metric.as_ref()).collect();
+    let made = Made::of(all, rounds, after, &named);
     let trials = all.trials.iter().map(|(base, trial)| {
         let own = |known: &&RecordedTrial| known.key == trial.key;
         (*base, made.candidate.trials.iter().find(own).expect("it has the same trials"))
     });
     let pairing = Pairing { candidate: &made.candidate, trials: trials.collect(), ..all.clone() };
-    let rules = &with_default(&gate.rules, &pairing);
+    let shares = Shares::of(rules, all);
     let asked = questions::ask(rules, &pairing)?.asked;
-    let shares = Shares::of(rules, &pairing);
     let checks: Vec<Check> = asked
         .iter()
         .filter_map(|question| made.regressed(question, shares.of_rule(&rules[question.rule])))
@@ -118,6 +119,7 @@ pub fn look(
         nothing_changed: false,
         changes: changes::changes(all),
         nondeterministic: changes::nondeterministic(all),
+        on_course: 0,
         looks: Some(Looks {
             made: rounds.looks().take_while(|look| *look <= after).count(),
             ended_it_of: Some(all.trials.iter().map(|(_, trial)| trial.runs.len()).sum()),
@@ -134,7 +136,7 @@ struct Made {
 }
 
 impl Made {
-    fn of(all: &Pairing, rounds: &LookRounds, after: usize) -> Self {
+    fn of(all: &Pairing, rounds: &LookRounds, after: usize, named: &[&MetricReference]) -> Self {
         let mut candidate = all.candidate.clone();
         let columns: Vec<Option<usize>> = candidate
             .metrics
@@ -151,7 +153,39 @@ impl Made {
             }
             keys.extend((0..runs).map(|run| all.candidate.run_key(trial, run)));
         }
-        Self { candidate, keys }
+        let mut made = Self { candidate, keys };
+        made.leave_out(all, named);
+        made
+    }
+
+    /// Leaves out what can show nothing yet: metrics that no rule names, of which no run gained or lost the value, where chance plays a part in
+    /// all trials.
+    fn leave_out(&mut self, all: &Pairing, named: &[&MetricReference]) {
+        if all.trials.iter().any(|(base, trial)| base.certain && trial.certain) {
+            return;
+        }
+        let Baseline { metrics, trials, .. } = &mut self.candidate;
+        let tells = |(column, metric): (usize, &RecordedMetric)| {
+            let is_named = named.iter().any(|one| one.label() == metric.label);
+            let before = all.base.metrics.iter().position(|known| known.label == metric.label);
+            // One that is missing is said to be.
+            let Some(before) = before.filter(|_| !is_named) else { return true };
+            let changed = |trial: &RecordedTrial| {
+                let own = all.trials.iter().find(|(_, own)| own.key == trial.key);
+                let was = own.map(|(base, _)| &base.values[before]);
+                was.is_some_and(|was| {
+                    was.iter().zip(&trial.values[column]).any(|(was, is)| was.is_some() != is.is_some())
+                })
+            };
+            trials.iter().any(changed)
+        };
+        let kept: Vec<bool> = metrics.iter().enumerate().map(tells).collect();
+        let mut keep = kept.iter();
+        metrics.retain(|_| keep.next() == Some(&true));
+        for trial in trials {
+            let mut keep = kept.iter();
+            trial.values.retain(|_| keep.next() == Some(&true));
+        }
     }
 
     fn has(&self, question: &Question) -> bool {

@@ -36,6 +36,7 @@ fn baseline(
         certain: trial.certain,
         fingerprint: String::new(),
         seeds: None,
+        on_course: 0,
         warnings: Vec::new(),
         parts: Parts {
             road: "road".into(),
