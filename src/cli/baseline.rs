@@ -115,16 +115,17 @@ fn save(
     registry: &Registry,
 ) -> Result<(), Exit> {
     let suite = measured::load_suite(file, seed, set, registry)?;
-    let path = match out {
-        Some(path) => path.to_owned(),
-        None => {
-            let path = measured::default_path(file, &suite);
-            project::holds(file, &path)?;
-            path
-        }
+    let paths = match out {
+        Some(path) => vec![path.to_owned()],
+        None => measured::default_paths(file, &suite),
     };
-    if !force {
-        project::may_be_replaced(&path, &suite.name)?;
+    for path in &paths {
+        if out.is_none() {
+            project::holds(file, path)?;
+        }
+        if !force {
+            project::may_be_replaced(path, &suite.name)?;
+        }
     }
     let stop = stop_on_interrupt();
     let requests = measured_metrics(&suite, registry);
@@ -135,15 +136,25 @@ fn save(
         return Err(Exit::Interrupted);
     }
     let baseline = measured?;
-    measured::save(&path, &baseline.text())?;
-    writeln!(
-        stdout(),
-        "{}: {}, {}, seed {}; commit it",
-        path.display(),
-        count(baseline.trials.len(), "trial"),
-        count(baseline.runs(), "run"),
-        baseline.seed
-    );
+    for path in &paths {
+        measured::save(path, &baseline.text())?;
+        writeln!(
+            stdout(),
+            "{}: {}, {}, seed {}; commit it",
+            path.display(),
+            count(baseline.trials.len(), "trial"),
+            count(baseline.runs(), "run"),
+            baseline.seed
+        );
+    }
+    let on_course: usize = baseline.trials.iter().map(|trial| trial.on_course).sum();
+    if on_course > 0 {
+        writeln!(
+            stderr(),
+            "warning: {} ended at the horizon on a collision course: no gate passes for such runs; give `horizon` more time",
+            count(on_course, "run")
+        );
+    }
     for gate in &suite.gates {
         // With itself it can always be compared, but for metrics that the gate names and no run has.
         if let Ok(seen) = judge_gate(gate, &baseline, &baseline, false) {

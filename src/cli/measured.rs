@@ -135,16 +135,16 @@ pub fn save(path: &Path, text: &str) -> Result<(), Exit> {
     })
 }
 
-/// Where a suite's baseline lies: what its gates name, if they agree, or else in `baselines/` beside the suite, or
+/// Where a suite's baseline lies: in every file that its gates name, or without gates in `baselines/` beside the suite, or
 /// beside its folder if that is called `suites`.
-pub fn default_path(file: &str, suite: &Suite) -> PathBuf {
+pub fn default_paths(file: &str, suite: &Suite) -> Vec<PathBuf> {
     let mut named: Vec<&str> = suite.gates.iter().map(|gate| gate.baseline.as_str()).collect();
     named.sort_unstable();
     named.dedup();
-    if let [only] = named[..] {
-        return PathBuf::from(only);
+    if !named.is_empty() {
+        return named.into_iter().map(PathBuf::from).collect();
     }
     let folder = Path::new(file).parent().unwrap_or(Path::new(""));
     let folder = if folder.ends_with("suites") { folder.parent().unwrap_or(folder) } else { folder };
-    folder.join("baselines").join(format!("{}.json", suite.name))
+    vec![folder.join("baselines").join(format!("{}.json", suite.name))]
 }

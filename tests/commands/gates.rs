@@ -446,3 +446,13 @@ fn a_sequential_gate_ends_its_suite() {
     let (code, compared) = run(&["compare", "b.json", "now.suite"]);
     assert!(code == 104 && compared.contains("sequential: failed after "), "{compared}");
 }
+
+#[test]
+fn a_baseline_is_saved_wherever_a_gate_looks_for_it() {
+    let two = format!("{GATE}{}", GATE.replace("braking", "other").replace("b.json", "c.json"));
+    let folder = folder(&suite("", &two), "");
+    let output = scenario_runner(folder.path(), &["baseline", "save", "before.suite"]);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    assert!(stdout(&output).contains("b.json: 5 trials") && stdout(&output).contains("c.json: 5 trials"));
+    assert_eq!(code(&scenario_runner(folder.path(), &["before.suite"])), 0);
+}

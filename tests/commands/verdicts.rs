@@ -313,3 +313,30 @@ fn who_crosses_long_before_the_car_comes_puts_nothing_to_the_test() {
     let said = "`no collision`, `pet >= 1 s` passed untested: no pedestrian was in a vehicle's lane within 5 s of it";
     assert!(stdout(&output).contains(said), "{}", stdout(&output));
 }
+
+/// Runs without a value are left out of a mean: the worst is one that has a small one.
+#[test]
+fn the_worst_run_of_a_mean_is_one_that_counts() {
+    const SOME_MEET: &str = "scenario some_meet {
+  road { lanes forward; lane_width 3.5 m; speed_limit 50 km/h; crossing zebra { width: 4 m } }
+  vehicle av { start 60 m before crossing; speed 40 km/h; controller constant_speed }
+  pedestrian walker { model scripted; start 2 m from kerb; appears at late }
+  draw late from uniform(0 s, 12 s)
+  repeat 12
+  expect { mean(min_ttc) >= 10 s }
+}
+";
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("a.scn"), SOME_MEET).unwrap();
+    let output = scenario_runner(folder.path(), &["a.scn", "--json", "r.json"]);
+    assert_eq!(output.status.code(), Some(100), "{}", stdout(&output));
+    let json: Value =
+        serde_json::from_str(&std::fs::read_to_string(folder.path().join("r.json")).unwrap()).unwrap();
+    let finding = &json["suites"][0]["trials"][0]["findings"][0];
+    let (holding, runs) = (finding["holding"].as_u64().unwrap(), finding["runs"].as_u64().unwrap());
+    assert!(0 < holding && holding < runs, "{finding}");
+    let worst = finding["worst"].as_array().unwrap();
+    assert!(!worst.is_empty() && worst.iter().all(|run| run["value"].is_number()), "{finding}");
+    let values: Vec<f64> = worst.iter().map(|run| run["value"].as_f64().unwrap()).collect();
+    assert!(values.is_sorted(), "{values:?}");
+}

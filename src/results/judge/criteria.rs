@@ -178,7 +178,9 @@ fn of_values(
     }
     let values = held.values();
     let cut_off = |index: usize| held.seen[index].is_open();
-    finding.worst = nearest(metric, (relation, bound), &values, evidence, cut_off, |_| true).0;
+    // A run that is left out speaks against nothing, unless none is left.
+    let counts = |index: usize| observed.is_none() || counted[index].is_some();
+    finding.worst = nearest(metric, (relation, bound), &values, evidence, cut_off, counts).0;
     finding
 }
 
