@@ -118,12 +118,6 @@ pub fn context(verdict: &GateVerdict) -> Vec<String> {
         verdict.count(CheckOutcome::NotShown),
     )];
     let by_chance = !verdict.nondeterministic.is_empty();
-    if verdict.on_course > 0 {
-        lines.push(format!(
-            "{} ended at the horizon on a collision course, of which nobody knows what would have come: give `horizon` more time",
-            count(verdict.on_course, "run"),
-        ));
-    }
     lines.extend(verdict.looks.map(|looks| match looks.ended_it_of {
         Some(all) => format!(
             "sequential: failed after {} of {}, at look {}; what else there may be was not compared",
@@ -189,15 +183,22 @@ pub fn context(verdict: &GateVerdict) -> Vec<String> {
     lines
 }
 
-/// What could not have failed, and why, a sentence each.
+/// Why a gate in which nothing regressed does not pass, a sentence each: what could not have failed, and runs of which nobody knows what they
+/// would have come to.
 pub fn blindness(verdict: &GateVerdict) -> Vec<String> {
+    let on_course = (verdict.on_course > 0).then(|| {
+        format!(
+            "{} ended at the horizon on a collision course, of which nobody knows what would have come: give `horizon` more time",
+            count(verdict.on_course, "run"),
+        )
+    });
     let rules = verdict.blind_rules.iter();
     let rules = rules.map(|rule| format!("`{rule}` could not have failed: {}", why_blind(verdict, rule)));
     let places = verdict.blind_places.iter().map(|BlindPlace { rule, scenario, units, needed }| {
         let why = too_few(verdict, rule, *units, *needed);
         format!("`{rule}` could not have failed in {scenario}, where something changed: {why}")
     });
-    rules.chain(places).collect()
+    on_course.into_iter().chain(rules).chain(places).collect()
 }
 
 fn why_blind(verdict: &GateVerdict, rule: &str) -> String {
@@ -473,6 +474,15 @@ mod tests {
         let said = &context(&verdict)[0];
         let all = verdict.checks.len();
         assert!(said.contains(&format!("0 regressed, 0 held, {all} the same, 0 not shown")), "{said}");
+    }
+
+    #[test]
+    fn runs_that_the_horizon_ended_on_a_collision_course_are_a_reason() {
+        let mut verdict = compared(&gate(), 0.0);
+        assert!(blindness(&verdict).is_empty());
+        verdict.on_course = 3;
+        assert!(blindness(&verdict)[0].starts_with("3 runs ended at the horizon on a collision course"));
+        assert!(context(&verdict).contains(&blindness(&verdict)[0]));
     }
 
     #[test]
