@@ -3,15 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::outcome::Critical;
+use super::written_counts::is_zero;
 use crate::Verdict;
 use numbers::json;
 use scenario::{Metric, Origin, People, Reference};
-
-// The signature is serde's.
-#[allow(clippy::trivially_copy_pass_by_ref)]
-fn is_none(runs: &usize) -> bool {
-    *runs == 0
-}
 
 /// One criterion's verdict and what it rests on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -36,7 +31,7 @@ pub struct Finding {
     pub cut_off: usize,
     /// Runs that ended, by the horizon or another's contact, before what the metric is about was over, so that an extreme of what
     /// was seen so far may have got worse.
-    #[serde(default, skip_serializing_if = "is_none")]
+    #[serde(default, skip_serializing_if = "is_zero")]
     pub unseen: usize,
     /// The aggregate's value or the share of runs; `None` if no run gives one. Infinite where runs that have none decide.
     #[serde(with = "json::extended")]

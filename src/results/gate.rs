@@ -1,6 +1,7 @@
 //! What became of a gate, and its comparisons.
 
 use super::standing::Standing;
+use super::written_counts::is_zero;
 use crate::Verdict;
 use numbers::json;
 use scenario::{Dimension, Gate, Metric, Notation, Reference, Suite, show_apart};
@@ -158,10 +159,6 @@ pub struct Looks {
     /// none did, and all were compared.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ended_it_of: Option<usize>,
-}
-
-fn is_zero(count: &usize) -> bool {
-    *count == 0
 }
 
 impl GateVerdict {

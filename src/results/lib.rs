@@ -40,6 +40,7 @@ mod trial;
 mod tune;
 mod unit_error;
 mod verdict;
+mod written_counts;
 mod written_details;
 
 /// Everything that became of a session. Every report is a function of it.

@@ -6,6 +6,7 @@ use super::finding::Finding;
 use super::skip::Skip;
 use super::standing::Standing;
 use super::trial::{TrialReport, TrialState};
+use super::written_counts::is_zero;
 use crate::Verdict;
 use scenario::{Criterion, Value};
 
@@ -46,10 +47,6 @@ pub struct ScenarioSummary {
     /// Trials that were judged, passed and are not held, in the order of the suite; only where some trial of the scenario did
     /// not pass, to tell by what it differs from them.
     pub passed: Vec<PassedTrial>,
-}
-
-fn is_zero(count: &usize) -> bool {
-    *count == 0
 }
 
 /// How many trials stand so.

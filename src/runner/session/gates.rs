@@ -151,9 +151,13 @@ pub fn measured_trials(
 }
 
 /// As [`measured_trials`] gives it, of a suite of which no run was made yet.
-pub(super) fn frame(runner: &Runner, suite: usize, trials: &[PlannedTrial]) -> Baseline {
+pub(super) fn frame<'t>(
+    runner: &Runner,
+    suite: usize,
+    trials: impl Iterator<Item = &'t PlannedTrial>,
+) -> Baseline {
     let plan = &runner.suites()[suite].plan;
-    of_suite(runner, suite, baseline::frame(plan, trials.iter(), runner.requests()))
+    of_suite(runner, suite, baseline::frame(plan, trials, runner.requests()))
 }
 
 fn of_suite(runner: &Runner, suite: usize, mut all: Baseline) -> Baseline {

@@ -53,16 +53,16 @@ impl<'a> Runner<'a> {
             if self.suites()[suite].plan.time_limit.is_some() || is_enough(&looked) {
                 continue;
             }
+            let gates = self.sequential_gates(suite);
+            if gates.is_empty() {
+                continue;
+            }
             let own: Vec<usize> = (0..units.len())
                 .filter(|unit| units.suite(*unit) == suite)
                 .filter(|unit| matches!(units.kind(*unit), UnitKind::Trial { .. }))
                 .collect();
             // Of a part of a suite no gate says anything.
             if own.is_empty() || !own.iter().all(|unit| chosen[*unit]) {
-                continue;
-            }
-            let gates = self.sequential_gates(suite);
-            if gates.is_empty() {
                 continue;
             }
             let failed = self.look_at_suite(suite, &own, &gates, (memory, lenient), (&mut looked, reporter));
@@ -114,38 +114,30 @@ impl<'a> Runner<'a> {
         (looked, reporter): (&mut Looked, &mut dyn Reporter),
     ) -> Vec<(&'a Gate, GateVerdict)> {
         let prepared = &self.suites()[suite];
-        let planned: Vec<PlannedTrial> = prepared.plan.trials().collect();
-        let mut seen = frame(self, suite, &planned);
-        // In the order of the frame: which trial it is in the plan.
-        let places: Vec<usize> = seen
-            .trials
-            .iter()
-            .map(|trial| {
-                let is_it = |one: &PlannedTrial| {
-                    one.key.strip_prefix(&*seen.suite).is_some_and(|key| key[1..] == trial.key)
-                };
-                planned.iter().position(is_it).expect("the frame is of the plan")
-            })
-            .collect();
+        // In the order of baselines.
+        let mut planned: Vec<(usize, PlannedTrial)> =
+            own.iter().copied().zip(prepared.plan.trials()).collect();
+        planned.sort_by(|(_, left), (_, right)| left.key.cmp(&right.key));
+        let mut seen = frame(self, suite, planned.iter().map(|(_, trial)| trial));
         let rounds = LookRounds::of(&seen);
         let mut before = 0;
         for after in rounds.looks() {
             let mut wanted: Vec<(usize, usize)> = Vec::new();
-            for trial in 0..places.len() {
+            for trial in 0..planned.len() {
                 wanted
                     .extend((rounds.runs(trial, before)..rounds.runs(trial, after)).map(|run| (trial, run)));
             }
             before = after;
             for some in wanted.chunks(AT_ONCE * self.executor().parallelism()) {
                 let cases: Vec<Case> =
-                    some.iter().map(|(trial, run)| planned[places[*trial]].cases.get(*run)).collect();
+                    some.iter().map(|(trial, run)| planned[*trial].1.cases.get(*run)).collect();
                 let made = Panicked::catch(|| self.batch().outcomes(cases.iter().cloned(), || ()));
                 // Its own trial says what is wrong with it.
                 let Ok(Ok(outcomes)) = made else { return Vec::new() };
                 for (((trial, run), case), outcome) in some.iter().zip(cases).zip(outcomes) {
                     record_outcome(&mut seen, (*trial, *run), &outcome, self.requests());
                     memory.keep(case, outcome);
-                    let unit = own[places[*trial]];
+                    let unit = planned[*trial].0;
                     *looked.told.entry(unit).or_default() += 1;
                     reporter.tell(&Event::RunDone { unit });
                 }

@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::written_counts::is_zero;
 use crate::{Requests, is_use, is_value};
 use scenario::registry::Registry;
 use scenario::{ControllerModel, DynamicsModel, Metric, ModelSetup, PerceptionModel, Reference, Settings};
@@ -108,10 +109,6 @@ pub struct TestedVehicle {
     pub obeys_signals: bool,
 }
 
-fn is_none(count: &usize) -> bool {
-    *count == 0
-}
-
 fn is_false(flag: &bool) -> bool {
     !flag
 }
@@ -130,7 +127,7 @@ pub struct RecordedTrial {
     /// Changes when the seed of any run does; 12 hexadecimal digits. Baselines of version 0.1 do not say.
     pub seeds: Option<String>,
     /// How many of its runs the horizon ended on a collision course: what they came to is not known.
-    #[serde(skip_serializing_if = "is_none")]
+    #[serde(skip_serializing_if = "is_zero")]
     pub on_course: usize,
     /// Models in it that are others than were published, in words.
     #[serde(skip_serializing_if = "Vec::is_empty")]

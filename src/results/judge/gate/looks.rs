@@ -85,17 +85,19 @@ pub fn look(
 ) -> Result<Option<GateVerdict>, Vec<Incompatible>> {
     let rules = &with_default(&gate.rules, all);
     let named: Vec<&MetricReference> = rules.iter().filter_map(|rule| rule.metric.as_ref()).collect();
-    let made = Made::of(all, rounds, after, &named);
-    let trials = all.trials.iter().map(|(base, trial)| {
-        let own = |known: &&RecordedTrial| known.key == trial.key;
-        (*base, made.candidate.trials.iter().find(own).expect("it has the same trials"))
-    });
-    let pairing = Pairing { candidate: &made.candidate, trials: trials.collect(), ..all.clone() };
+    let bases = bases(all);
+    let made = Made::of(all, &bases, (rounds, after), &named);
+    let trials = bases.iter().zip(&made.candidate.trials);
+    let trials = trials.filter_map(|(base, trial)| Some(((*base)?, trial))).collect();
+    let pairing = Pairing { candidate: &made.candidate, trials, ..all.clone() };
     let shares = Shares::of(rules, all);
     let asked = questions::ask(rules, &pairing)?.asked;
     let checks: Vec<Check> = asked
-        .iter()
-        .filter_map(|question| made.regressed(question, shares.of_rule(&rules[question.rule])))
+        .into_iter()
+        .filter_map(|question| {
+            let shares = shares.of_rule(&rules[question.rule]);
+            made.regressed(question, shares)
+        })
         .collect();
     if checks.is_empty() {
         return Ok(None);
@@ -127,6 +129,13 @@ pub fn look(
     }))
 }
 
+/// What each trial of the candidate is compared with; `None` of one that the base lacks.
+fn bases<'a>(all: &Pairing<'a>) -> Vec<Option<&'a RecordedTrial>> {
+    let mut pairs = all.trials.iter().peekable();
+    let trials = all.candidate.trials.iter();
+    trials.map(|trial| pairs.next_if(|(_, own)| own.key == trial.key).map(|(base, _)| *base)).collect()
+}
+
 /// What there is after some rounds.
 struct Made {
     /// With the base's values for all other runs, as if those had not changed.
@@ -136,7 +145,12 @@ struct Made {
 }
 
 impl Made {
-    fn of(all: &Pairing, rounds: &LookRounds, after: usize, named: &[&MetricReference]) -> Self {
+    fn of(
+        all: &Pairing,
+        bases: &[Option<&RecordedTrial>],
+        (rounds, after): (&LookRounds, usize),
+        named: &[&MetricReference],
+    ) -> Self {
         let mut candidate = all.candidate.clone();
         let columns: Vec<Option<usize>> = candidate
             .metrics
@@ -144,8 +158,8 @@ impl Made {
             .map(|metric| all.base.metrics.iter().position(|known| known.label == metric.label))
             .collect();
         let mut keys = HashSet::new();
-        for (index, trial) in candidate.trials.iter_mut().enumerate() {
-            let Some((base, _)) = all.trials.iter().find(|(_, own)| own.key == trial.key) else { continue };
+        for (index, (base, trial)) in bases.iter().zip(&mut candidate.trials).enumerate() {
+            let Some(base) = base else { continue };
             let runs = rounds.runs(index, after);
             for (row, column) in trial.values.iter_mut().zip(&columns) {
                 let unchanged = |run: usize| column.and_then(|column| base.values[column][run]);
@@ -154,13 +168,13 @@ impl Made {
             keys.extend((0..runs).map(|run| all.candidate.run_key(trial, run)));
         }
         let mut made = Self { candidate, keys };
-        made.leave_out(all, named);
+        made.leave_out(all, bases, named);
         made
     }
 
     /// Leaves out what can show nothing yet: metrics that no rule names, of which no run gained or lost the value, where chance plays a part in
     /// all trials.
-    fn leave_out(&mut self, all: &Pairing, named: &[&MetricReference]) {
+    fn leave_out(&mut self, all: &Pairing, bases: &[Option<&RecordedTrial>], named: &[&MetricReference]) {
         if all.trials.iter().any(|(base, trial)| base.certain && trial.certain) {
             return;
         }
@@ -170,14 +184,13 @@ impl Made {
             let before = all.base.metrics.iter().position(|known| known.label == metric.label);
             // One that is missing is said to be.
             let Some(before) = before.filter(|_| !is_named) else { return true };
-            let changed = |trial: &RecordedTrial| {
-                let own = all.trials.iter().find(|(_, own)| own.key == trial.key);
-                let was = own.map(|(base, _)| &base.values[before]);
-                was.is_some_and(|was| {
-                    was.iter().zip(&trial.values[column]).any(|(was, is)| was.is_some() != is.is_some())
+            let lost_or_gained = |(base, trial): (&Option<&RecordedTrial>, &RecordedTrial)| {
+                base.is_some_and(|base| {
+                    let both = base.values[before].iter().zip(&trial.values[column]);
+                    both.into_iter().any(|(was, is)| was.is_some() != is.is_some())
                 })
             };
-            trials.iter().any(changed)
+            bases.iter().zip(&*trials).any(lost_or_gained)
         };
         let kept: Vec<bool> = metrics.iter().enumerate().map(tells).collect();
         let mut keep = kept.iter();
@@ -193,13 +206,13 @@ impl Made {
     }
 
     /// The comparison, if it leaves no doubt that something got worse.
-    fn regressed(&self, question: &Question, shares: f64) -> Option<Check> {
+    fn regressed(&self, question: Question, shares: f64) -> Option<Check> {
         let is_certain = matches!(question.place, ComparisonPlace::CertainTrial(_));
-        if question.about == About::New || is_certain && self.has(question) {
-            let question = &self.of_made(question)?;
-            let mut check = check::described(question, &differences(question));
+        if question.about == About::New || is_certain && self.has(&question) {
+            let question = self.of_made(question)?;
+            let mut check = check::described(&question, &differences(&question));
             check.power = Power::Everything;
-            check.decide(question);
+            check.decide(&question);
             return (check.outcome == CheckOutcome::Regressed).then_some(check);
         }
         if is_certain || matches!(question.about, About::Mean(_) | About::Existence(None)) {
@@ -216,21 +229,19 @@ impl Made {
     }
 
     /// The question of the pairs of runs that are there.
-    fn of_made<'a>(&self, question: &Question<'a>) -> Option<Question<'a>> {
-        let made = question.pairs.iter().filter(|pair| self.keys.contains(&pair.key));
-        let pairs: Vec<_> = made.cloned().collect();
-        (!pairs.is_empty()).then(|| Question { pairs, ..question.clone() })
+    fn of_made<'a>(&self, mut question: Question<'a>) -> Option<Question<'a>> {
+        question.pairs.retain(|pair| self.keys.contains(&pair.key));
+        (!question.pairs.is_empty()).then_some(question)
     }
 
     /// The same as far as evidence is of them. It is of whole rounds: of people, whoever has walked all of his runs counts; where trials are
     /// strata, each has to have as many runs as the others.
-    fn seen_of<'a>(&self, question: &Question<'a>) -> Option<Question<'a>> {
+    fn seen_of<'a>(&self, mut question: Question<'a>) -> Option<Question<'a>> {
         if question.by_people {
             let missing = question.pairs.iter().filter(|pair| !self.keys.contains(&pair.key));
             let open: HashSet<usize> = missing.map(|pair| pair.person).collect();
-            let mut whole = question.clone();
-            whole.pairs.retain(|pair| !open.contains(&pair.person));
-            return (!whole.pairs.is_empty()).then_some(whole);
+            question.pairs.retain(|pair| !open.contains(&pair.person));
+            return (!question.pairs.is_empty()).then_some(question);
         }
         let mut trials = question.pairs.chunk_by(|one, next| one.trial == next.trial).map(<[_]>::len);
         let first = trials.next()?;

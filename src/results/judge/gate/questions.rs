@@ -7,7 +7,6 @@ use scenario::{
 };
 
 /// One comparison to make.
-#[derive(Clone)]
 pub struct Question<'a> {
     pub rule: usize,
     pub confidence: f64,
