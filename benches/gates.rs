@@ -2,6 +2,7 @@
 //! some percent, and 200 reruns with other seeds in which nothing changed. `cargo bench --bench gates` prints the tables of
 //! `docs/gates.md`.
 
+use std::ops::Range;
 use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -29,8 +30,14 @@ fn main() {
         zebra();
     }
     if wanted("chance") {
-        by_chance();
+        by_chance(asked.iter().find_map(|one| range(one)).unwrap_or(0..PAIRS));
     }
+}
+
+/// `100..400`: which pairs.
+fn range(text: &str) -> Option<Range<u64>> {
+    let (first, end) = text.split_once("..")?;
+    Some(first.parse().ok()?..end.parse().ok()?)
 }
 
 /// A suite of 1,000 runs in which nobody is hit.
@@ -66,7 +73,7 @@ const THOUSAND: &str = "suite thousand {
 }
 ";
 
-/// Pairs of runs on different seeds.
+/// Pairs of runs on different seeds. 12 s of one core each: `chance 100..400` is a part of them.
 const PAIRS: u64 = 400;
 
 /// What pairs of such runs came to at a gate.
@@ -86,17 +93,17 @@ struct Counts {
 
 /// How often gates fail by chance, and how often for a rise of collisions from 0 to 1 %: pairs of that suite on different seeds.
 /// Collisions are flags that are set by lot in 1 % of the candidate's runs, or in 5 %, whatever else happened in them.
-fn by_chance() {
+fn by_chance(pairs: Range<u64>) {
     let files = Memory::default().with("thousand.suite", THOUSAND);
     let found = lang::load(Path::new("thousand.suite"), &standard(), &files);
     let suite = found.unwrap_or_else(|_| panic!("it is a suite")).suite;
-    let next = AtomicU64::new(0);
+    let next = AtomicU64::new(pairs.start);
     let counts = Mutex::new((0, vec![Counts::default(); suite.gates.len()]));
-    println!("\n{PAIRS} pairs of other seeds of a suite of 1,000 runs:");
+    println!("\nPairs {pairs:?} of other seeds of a suite of 1,000 runs:");
     let work = || {
         loop {
             let pair = next.fetch_add(1, Ordering::Relaxed);
-            if pair >= PAIRS {
+            if pair >= pairs.end {
                 return;
             }
             let own: Vec<Counts> = one_pair(&suite, pair);

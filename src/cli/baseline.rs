@@ -147,12 +147,12 @@ fn save(
             baseline.seed
         );
     }
-    let on_course: usize = baseline.trials.iter().map(|trial| trial.on_course).sum();
-    if on_course > 0 {
+    let cut_off: usize = baseline.trials.iter().map(|trial| trial.cut_off).sum();
+    if cut_off > 0 {
         writeln!(
             stderr(),
-            "warning: {} ended at the horizon on a collision course: no gate passes for such runs; give `horizon` more time",
-            count(on_course, "run")
+            "warning: {} ended before all had met: no gate passes for such runs; give `horizon` more time",
+            count(cut_off, "run")
         );
     }
     for gate in &suite.gates {

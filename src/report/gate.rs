@@ -186,10 +186,10 @@ pub fn context(verdict: &GateVerdict) -> Vec<String> {
 /// Why a gate in which nothing regressed does not pass, a sentence each: what could not have failed, and runs of which nobody knows what they
 /// would have come to.
 pub fn blindness(verdict: &GateVerdict) -> Vec<String> {
-    let on_course = (verdict.on_course > 0).then(|| {
+    let cut_off = (verdict.cut_off > 0).then(|| {
         format!(
-            "{} ended at the horizon on a collision course, of which nobody knows what would have come: give `horizon` more time",
-            count(verdict.on_course, "run"),
+            "{} ended before all had met, of which nobody knows what would have come: give `horizon` more time",
+            count(verdict.cut_off, "run"),
         )
     });
     let rules = verdict.blind_rules.iter();
@@ -198,7 +198,7 @@ pub fn blindness(verdict: &GateVerdict) -> Vec<String> {
         let why = too_few(verdict, rule, *units, *needed);
         format!("`{rule}` could not have failed in {scenario}, where something changed: {why}")
     });
-    on_course.into_iter().chain(rules).chain(places).collect()
+    cut_off.into_iter().chain(rules).chain(places).collect()
 }
 
 fn why_blind(verdict: &GateVerdict, rule: &str) -> String {
@@ -477,11 +477,11 @@ mod tests {
     }
 
     #[test]
-    fn runs_that_the_horizon_ended_on_a_collision_course_are_a_reason() {
+    fn runs_that_ended_before_all_had_met_are_a_reason() {
         let mut verdict = compared(&gate(), 0.0);
         assert!(blindness(&verdict).is_empty());
-        verdict.on_course = 3;
-        assert!(blindness(&verdict)[0].starts_with("3 runs ended at the horizon on a collision course"));
+        verdict.cut_off = 3;
+        assert!(blindness(&verdict)[0].starts_with("3 runs ended before all had met"));
         assert!(context(&verdict).contains(&blindness(&verdict)[0]));
     }
 

@@ -141,10 +141,10 @@ pub struct GateVerdict {
     /// Programs under test on either side that do not decide the same each time, a sentence each.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub nondeterministic: Vec<String>,
-    /// Runs of the candidate that the horizon ended on a collision course: of those nobody knows what they would have come to, so that nothing
-    /// passes for them.
+    /// Runs of the candidate that ended before all had met, see [`crate::judge::baseline::RecordedTrial::cut_off`]: of those nobody knows
+    /// what they would have come to, so that nothing passes for them.
     #[serde(default, skip_serializing_if = "is_zero")]
-    pub on_course: usize,
+    pub cut_off: usize,
     /// Of a sequential gate: how it was looked at before all runs were there.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub looks: Option<Looks>,

@@ -16,6 +16,7 @@ use scenario::{
     ANOTHER_MODEL, Case, DeclaredProgram, MetricKind, MetricReference, PedestrianSetup, Road, Suite,
     VehicleSetup, VehicleStart, World,
 };
+use sim::StopReason;
 
 /// Digits of a value that are kept: enough for any comparison, and short enough to read.
 const DIGITS: usize = 9;
@@ -42,12 +43,19 @@ pub fn record_outcome(
     requests: &Requests,
 ) {
     let Baseline { metrics, trials, .. } = recorded;
-    trials[trial].on_course +=
-        usize::from(outcome.cut_off.as_ref().is_some_and(|cut| !cut.on_course.is_empty()));
+    trials[trial].cut_off += usize::from(is_cut_off(outcome));
     for (row, metric) in trials[trial].values.iter_mut().zip(metrics) {
         let measured = requests.iter().position(|one| one.label() == metric.label);
         row[run] = outcome.metrics[measured.expect("it was measured")].map(rounded);
     }
+}
+
+/// Whether it is not known what it would have come to. What ended it by a contact was seen, if nobody else was about to touch.
+fn is_cut_off(outcome: &Outcome) -> bool {
+    outcome.cut_off.as_ref().is_some_and(|cut| {
+        !cut.on_course.is_empty()
+            || (outcome.ending.reason == StopReason::Horizon && !cut.unfinished.is_empty())
+    })
 }
 
 /// The baseline of trials of a plan of which no run was made yet.
@@ -80,7 +88,7 @@ pub fn frame<'t>(
             certain: nothing_is_drawn(&trial.cases),
             fingerprint: String::new(),
             seeds: Some(seeds(trial)),
-            on_course: 0,
+            cut_off: 0,
             warnings: departures(trial),
             parts: trial_parts(trial, middle),
             vehicles: place,

@@ -224,19 +224,24 @@ fn what_has_all_its_runs_is_judged() {
 /// The horizon ends every run before anybody can be hit: that nobody was is no pass.
 #[test]
 fn runs_that_the_horizon_ends_before_the_crash_pass_no_gate() {
-    let short = |distance: &str, gate: &str| {
-        suite(distance, "horizon 2.4 s\n    repeat 30\n    expect { max_deceleration <= 100 m/s^2 }", gate)
+    let cut = |at: &str, distance: &str, gate: &str| {
+        let rest = format!("horizon {at}\n    repeat 30\n    expect {{ max_deceleration <= 100 m/s^2 }}");
+        suite(distance, &rest, gate)
     };
+    let short = |distance: &str, gate: &str| cut("2.4 s", distance, gate);
     let gate = "gate braking { baseline \"base.json\"; collision not worse by more than 50 % }";
-    for gate in [gate.to_string(), gate.replace("base.json\";", "base.json\"; sequential;")] {
-        let (results, ..) = run(&files(&short("1 m", &gate), &recorded(&short("5 m", ""))), Threads::new(2));
+    let sequential = gate.replace("base.json\";", "base.json\"; sequential;");
+    // On a collision course, and before anybody has appeared.
+    for (gate, at) in [(gate, "2.4 s"), (&sequential, "2.4 s"), (gate, "0.5 s"), (&sequential, "0.5 s")] {
+        let base = recorded(&cut(at, "5 m", ""));
+        let (results, ..) = run(&files(&cut(at, "1 m", gate), &base), Threads::new(2));
         let results::GateState::Judged(verdict) = &results.suites[0].gates[0].state else { panic!() };
         assert_eq!((verdict.verdict, results.overall()), (Verdict::Inconclusive, Overall::Inconclusive));
-        assert!(verdict.on_course > 5, "{}", verdict.on_course);
+        assert!(verdict.cut_off > 5, "{}", verdict.cut_off);
     }
     // A baseline says so, too, and is read again.
     let base = recorded(&short("1 m", ""));
-    assert!(base.contains("\"on_course\": "), "{base}");
+    assert!(base.contains("\"cut_off\": "), "{base}");
 }
 
 /// What needs a trial of a suite that ended is not run; other suites and searches are.

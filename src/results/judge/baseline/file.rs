@@ -230,8 +230,8 @@ fn trial_text(baseline: &Baseline, trial: &RecordedTrial) -> String {
     if let Some(seeds) = &trial.seeds {
         line(3, &format!("\"seeds\": {},", json(seeds)));
     }
-    if trial.on_course > 0 {
-        line(3, &format!("\"on_course\": {},", trial.on_course));
+    if trial.cut_off > 0 {
+        line(3, &format!("\"cut_off\": {},", trial.cut_off));
     }
     if !trial.warnings.is_empty() {
         line(3, &format!("\"warnings\": {},", json(&trial.warnings)));
@@ -321,8 +321,9 @@ struct TrialInFile {
     fingerprint: String,
     #[serde(default)]
     seeds: Option<String>,
-    #[serde(default)]
-    on_course: usize,
+    // What it was called as long as it counted those on a collision course only.
+    #[serde(default, alias = "on_course")]
+    cut_off: usize,
     #[serde(default)]
     warnings: Vec<String>,
     parts: Parts,
@@ -431,7 +432,7 @@ impl TrialInFile {
             certain: self.certain,
             fingerprint: self.fingerprint,
             seeds: self.seeds,
-            on_course: self.on_course,
+            cut_off: self.cut_off,
             warnings: self.warnings,
             parts: self.parts,
             vehicles: self.vehicles,

@@ -126,9 +126,10 @@ pub struct RecordedTrial {
     pub fingerprint: String,
     /// Changes when the seed of any run does; 12 hexadecimal digits. Baselines of version 0.1 do not say.
     pub seeds: Option<String>,
-    /// How many of its runs the horizon ended on a collision course: what they came to is not known.
+    /// How many of its runs the horizon ended before somebody was through whom a vehicle had yet to meet, or anything ended on a
+    /// collision course: what they would have come to is not known.
     #[serde(skip_serializing_if = "is_zero")]
-    pub on_course: usize,
+    pub cut_off: usize,
     /// Models in it that are others than were published, in words.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub warnings: Vec<String>,

@@ -121,7 +121,7 @@ pub fn look(
         nothing_changed: false,
         changes: changes::changes(all),
         nondeterministic: changes::nondeterministic(all),
-        on_course: 0,
+        cut_off: 0,
         looks: Some(Looks {
             made: rounds.looks().take_while(|look| *look <= after).count(),
             ended_it_of: Some(all.trials.iter().map(|(_, trial)| trial.runs.len()).sum()),

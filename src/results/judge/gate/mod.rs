@@ -93,12 +93,12 @@ fn judge_rules(
     let regressed = checks.iter().any(|check| check.outcome == CheckOutcome::Regressed);
     let (blind_rules, blind_places) = blind(rules, &checks, pairing);
     let nondeterministic = changes::nondeterministic(pairing);
-    let on_course = pairing.trials.iter().map(|(_, trial)| trial.on_course).sum();
+    let cut_off = pairing.trials.iter().map(|(_, trial)| trial.cut_off).sum();
     // What came out the same by chance need not do so the next time.
     let certainly_same = nothing_changed && nondeterministic.is_empty();
     let verdict = if regressed {
         Verdict::Failed
-    } else if on_course == 0 && blind_places.is_empty() && (blind_rules.is_empty() || certainly_same) {
+    } else if cut_off == 0 && blind_places.is_empty() && (blind_rules.is_empty() || certainly_same) {
         Verdict::Passed
     } else {
         Verdict::Inconclusive
@@ -122,7 +122,7 @@ fn judge_rules(
         nothing_changed,
         changes: changes::changes(pairing),
         nondeterministic,
-        on_course,
+        cut_off,
         looks: None,
     })
 }

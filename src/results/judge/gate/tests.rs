@@ -36,7 +36,7 @@ fn baseline(
         certain: trial.certain,
         fingerprint: String::new(),
         seeds: None,
-        on_course: 0,
+        cut_off: 0,
         warnings: Vec::new(),
         parts: Parts {
             road: "road".into(),
