@@ -1,6 +1,7 @@
 //! The charts of a suite's report: which there are, and their data out of trials and recorded runs.
 
 mod drawn;
+mod over_two;
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -44,6 +45,7 @@ pub fn figures(report: &SuiteReport, requests: &Requests, recordings: &[Recordin
     let data = Data { report, requests, variable: Variable::of(report), scenarios: report.scenarios() };
     let charted = data.charted();
     let mut figures = Vec::new();
+    figures.extend(data.over_two(&charted));
     figures.extend(data.rates(&charted));
     for index in &charted {
         if matches!(data.kind(*index), Some(MetricKind::Quantity(_))) {
@@ -136,7 +138,7 @@ impl Data<'_> {
             let value = charted(outcome, index, unit)?;
             // Only what is drawn is pointed at.
             let name = if is_drawn(&values, value) { outcome.key.clone() } else { String::new() };
-            Some(Dot { value, first: self.first(outcome), name })
+            Some(Dot { value, first: self.first(outcome), name, is_run: true })
         };
         let dots: Vec<Dot> = outcomes().filter_map(dot).collect();
         Strip { name, undefined: outcomes().count() - dots.len(), dots }
@@ -201,7 +203,7 @@ impl Data<'_> {
         }
         Some(Figure {
             title: format!("Rates against {}", variable.quantity.name),
-            note: "Share of the runs in which it happened, with 95 % Wilson intervals. Overlapping lines are moved apart \
+            note: "Share of the runs in which it happened, with 95 % intervals after Clopper and Pearson. Overlapping lines are moved apart \
                    sideways."
                 .into(),
             legend: charts[0].legend(),
@@ -293,7 +295,8 @@ impl Data<'_> {
                 let (Some(x), Some(y)) = (variable.value(variation), charted(outcome, index, unit)) else {
                     continue;
                 };
-                let point = FoundDot { x, y, first: self.first(outcome), name: outcome.key.clone() };
+                let (first, name) = (self.first(outcome), outcome.key.clone());
+                let point = FoundDot { x, y, first, name, is_run: true };
                 match person(outcome) {
                     nobody if nobody.is_empty() => found.push(point),
                     person => people.entry(person).or_default().push(point),
@@ -476,6 +479,7 @@ mod tests {
             y: ((index * 7919) % 10_007) as f64,
             first: First::Neither,
             name: String::new(),
+            is_run: false,
         };
         let mut points: Vec<FoundDot> = (0..10_000).map(point).collect();
         let worst = |points: &[FoundDot]| points.iter().map(|one| one.y).fold(f64::INFINITY, f64::min);

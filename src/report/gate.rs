@@ -385,6 +385,15 @@ fn show_difference(check: &Check, value: f64) -> String {
     format!("{sign}{}", amount(check, value.abs()))
 }
 
+/// A difference as a number of [`show_difference`]'s: in per cent of the base's mean or in points of a share. None of a mean of 0.
+pub fn relative(check: &Check, difference: f64) -> Option<f64> {
+    match check.subject {
+        ComparedSubject::Mean if check.base == 0.0 => None,
+        ComparedSubject::Mean => Some(100.0 * difference / check.base.abs()),
+        ComparedSubject::Rate | ComparedSubject::Existence | ComparedSubject::New => Some(100.0 * difference),
+    }
+}
+
 /// A size without a sign: `5.2 %` of a mean, `0.3 s` of a mean of 0, `3 points` of a share.
 fn amount(check: &Check, size: f64) -> String {
     match check.subject {

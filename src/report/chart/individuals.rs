@@ -31,6 +31,8 @@ pub struct FoundDot {
     pub y: f64,
     pub first: First,
     pub name: String,
+    /// Whether its name is the key of a run of the suite.
+    pub is_run: bool,
 }
 
 /// A metric over a variation: its mean and range over repetitions.
@@ -72,7 +74,8 @@ impl IndividualsChart {
         }
         for point in &self.points {
             let title = format!("{} at {} {}", self.y.show(point.y), self.x.show(point.x), point.name);
-            panel.marker(point.x, point.y, 0.0, point.first.look(), title.trim_end());
+            let run = point.is_run.then_some(point.name.as_str());
+            panel.run_marker((point.x, point.y), 0.0, point.first.look(), title.trim_end(), run);
         }
         for rule in &self.rules {
             panel.rule(rule);
@@ -120,8 +123,20 @@ mod tests {
             x: AxisQuantity::new("tta", "s"),
             y: AxisQuantity::new("pet", "s"),
             points: vec![
-                FoundDot { x: 7.5, y: 1.2, first: First::Pedestrian, name: "individual 3".into() },
-                FoundDot { x: 16.0, y: 4.1, first: First::Vehicle, name: "individual 8".into() },
+                FoundDot {
+                    x: 7.5,
+                    y: 1.2,
+                    first: First::Pedestrian,
+                    name: "individual 3".into(),
+                    is_run: false,
+                },
+                FoundDot {
+                    x: 16.0,
+                    y: 4.1,
+                    first: First::Vehicle,
+                    name: "late/tta=16s/rep=1".into(),
+                    is_run: true,
+                },
             ],
             courses: vec![CourseLine {
                 name: "individual 3".into(),

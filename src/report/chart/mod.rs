@@ -11,11 +11,13 @@
 //! | metric against the value found for each individual | [`IndividualsChart`] |
 //!
 //! An optimiser's course is a [`Convergence`] (of many: [`Convergences`]), its surrogate a [`Slice`], two objectives
-//! against each other a [`Front`], how bad encounters are against how usual [`Danger`], one run over time [`OverTime`] and, where it is about who is somewhere when, [`Spans`]. [`Rows`] are strips for many conditions or long names.
+//! against each other a [`Front`], how bad encounters are against how usual [`Danger`], a gate's differences a [`Forest`], numbers over two variations a [`Heat`], one run over time [`OverTime`] and, where it is about who is somewhere when, [`Spans`]. [`Rows`] are strips for many conditions or long names.
 
 mod convergence;
 mod danger;
+mod forest;
 mod front;
+mod heat;
 mod individuals;
 mod look;
 mod mark;
@@ -33,7 +35,9 @@ use crate::svg;
 
 pub use convergence::{Convergence, Convergences};
 pub use danger::{Danger, OnFront};
+pub use forest::{Forest, ForestRow};
 pub use front::Front;
+pub use heat::{FAILED, Heat, HeatCell};
 pub use individuals::{COURSES_FROM, CourseLine, FoundDot, IndividualsChart};
 pub use look::{First, LOOKS, LegendEntry, Look};
 pub use mark::PointMark;

@@ -9,7 +9,7 @@ use super::scale::nice_range;
 pub struct OverTime {
     pub title: String,
     pub y: AxisQuantity,
-    /// s
+    /// s; what lies outside is not drawn.
     pub from: f64,
     /// s
     pub to: f64,
@@ -48,6 +48,12 @@ impl TimeSeries {
         self.points.iter().filter_map(|point| point.1)
     }
 
+    /// What of it is from one time to another.
+    fn between(&self, from: f64, to: f64) -> Self {
+        let points = self.points.iter().filter(|point| (from..=to).contains(&point.0));
+        Self { points: points.copied().collect(), name: self.name.clone(), look: self.look }
+    }
+
     /// The stretches without gaps.
     fn stretches(&self) -> impl Iterator<Item = Vec<(f64, f64)>> {
         let stretches = self.points.split(|point| point.1.is_none()).filter(|stretch| !stretch.is_empty());
@@ -57,23 +63,25 @@ impl TimeSeries {
 
 impl OverTime {
     pub fn to_svg(&self) -> String {
+        let series: Vec<TimeSeries> =
+            self.series.iter().map(|one| one.between(self.from, self.to)).collect();
         let high = self.ceiling.unwrap_or(f64::INFINITY);
-        let values = self.series.iter().flat_map(TimeSeries::values).filter(|value| *value <= high);
+        let values = series.iter().flat_map(TimeSeries::values).filter(|value| *value <= high);
         // A bound is in the picture, so that who looks sees whether it was kept; so is whatever is marked.
         let rules = self.rules.iter().map(|rule| rule.value);
         let y = nice_range(values.chain(rules).chain(self.marks.iter().map(|mark| mark.value)));
-        let description = format!("{} over time in s, {}", self.y.label(), self.in_words());
+        let description = format!("{} over time in s, {}", self.y.label(), self.in_words(&series));
         let axis = Axis::Numbers { range: (self.from, self.to) };
         let mut panel = Panel::new(&self.title, &description, ("time (s)", &self.y.label()), axis, y);
         self.rules.iter().for_each(|rule| panel.rule(rule));
         if let Some(moment) = self.moment.filter(|one| (self.from..=self.to).contains(one)) {
             panel.upright(moment, "", "rule");
         }
-        let is_cut = self.series.iter().flat_map(TimeSeries::values).any(|value| value > y.1);
+        let is_cut = series.iter().flat_map(TimeSeries::values).any(|value| value > y.1);
         if is_cut {
             panel.clip();
         }
-        for series in &self.series {
+        for series in &series {
             for stretch in series.stretches() {
                 match stretch[..] {
                     [(time, value)] => panel.dash(time, value, series.look, &series.name),
@@ -92,8 +100,8 @@ impl OverTime {
     }
 
     /// What a line spans and what is marked, for who cannot see it.
-    fn in_words(&self) -> String {
-        let spans = self.series.iter().filter(|one| one.values().next().is_some()).map(|one| {
+    fn in_words(&self, series: &[TimeSeries]) -> String {
+        let spans = series.iter().filter(|one| one.values().next().is_some()).map(|one| {
             let (low, high) = one.values().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
                 (low.min(value), high.max(value))
             });

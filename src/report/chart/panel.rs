@@ -3,7 +3,7 @@
 use super::look::Look;
 use super::mark::PointMark;
 use super::scale::{Scale, logarithmic_label, logarithmic_ticks, tick_label, ticks};
-use super::svg::{At, Svg, thinned, through};
+use super::svg::{At, Attribute, Svg, thinned, through};
 
 /// What an axis says: a quantity and its unit, which is empty for plain numbers.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -64,6 +64,8 @@ pub struct Panel {
     height: f64,
     /// Pixels between two names of the horizontal axis.
     pub slot: f64,
+    /// Names of rows with their heights in pixels: over whatever else is drawn, so that they can be read.
+    rows: Vec<(String, f64)>,
 }
 
 /// Size in pixels; small enough to stand unscaled on a phone.
@@ -118,6 +120,7 @@ impl Panel {
             top: TOP,
             height: HEIGHT,
             slot: (WIDTH - LEFT - RIGHT) / horizontal.1.max(1.0),
+            rows: Vec::new(),
         };
         panel.begin(title, described, labels);
         panel.draw_vertical_axis(vertical);
@@ -172,6 +175,7 @@ impl Panel {
             top,
             height,
             slot: row,
+            rows: Vec::new(),
         };
         panel.begin(title, (description, "img"), (label, ""));
         let places = ticks(x.0, x.1, 6);
@@ -185,10 +189,7 @@ impl Panel {
         panel.draw_ticks(&places, tick_label);
         let letters = ((WIDTH - left - RIGHT) / LETTER) as usize;
         for (index, name) in names.iter().enumerate() {
-            let y = At(panel.y.at(index as f64) + LINE);
-            panel
-                .svg
-                .label(&shortened(name, letters), &[("class", &"row"), ("x", &At(left + 2.0)), ("y", &y)]);
+            panel.rows.push((shortened(name, letters), panel.y.at(index as f64) + LINE));
         }
         panel.draw_frame();
         panel
@@ -276,6 +277,14 @@ impl Panel {
         self.line_aside(points, 0.0, look, title);
     }
 
+    /// A run's line, under its key.
+    pub fn run_line(&mut self, points: impl IntoIterator<Item = (f64, f64)>, look: Look, key: &str) {
+        let places: Vec<_> = points.into_iter().map(|(x, y)| self.place(x, y)).collect();
+        let (class, path) = (look.class("line"), through(thinned(&places)));
+        let line: [Attribute; 3] = [("class", &class), ("d", &path), ("stroke-dasharray", &look.dash())];
+        self.svg.titled("path", key, &[&line[..], &[("data-run", &key)]].concat());
+    }
+
     /// A line through data points, moved sideways by `aside` pixels.
     pub fn line_aside(
         &mut self,
@@ -304,9 +313,30 @@ impl Panel {
 
     /// A marker, moved sideways by `aside` pixels.
     pub fn marker(&mut self, x: f64, y: f64, aside: f64, look: Look, title: &str) {
+        self.run_marker((x, y), aside, look, title, None);
+    }
+
+    /// The marker of a run with its key, if it is one's.
+    pub fn run_marker(
+        &mut self,
+        (x, y): (f64, f64),
+        aside: f64,
+        look: Look,
+        title: &str,
+        run: Option<&str>,
+    ) {
         let (x, y) = self.place(x, y);
-        let path = look.marker(x + aside, y);
-        self.svg.titled("path", title, &[("class", &look.class("dot")), ("d", &path)]);
+        self.dot(&look.marker(x + aside, y), look, title, run);
+    }
+
+    /// A marker at its place in pixels.
+    pub fn dot(&mut self, path: &str, look: Look, title: &str, run: Option<&str>) {
+        let class = look.class("dot");
+        let dot: [Attribute; 2] = [("class", &class), ("d", &path)];
+        match &run {
+            Some(key) => self.svg.titled("path", title, &[&dot[..], &[("data-run", key)]].concat()),
+            None => self.svg.titled("path", title, &dot),
+        }
     }
 
     /// A mark that leads to another place of the page, and says `title` when pointed at.
@@ -433,9 +463,13 @@ impl Panel {
         let (x, y) = self.place(x, y);
         let is_room = x - content.chars().count() as f64 * LETTER > self.left;
         let (x, anchor) = if is_room { (x - 6.0, "end") } else { (x + 6.0, "start") };
-        let near = |rule: &Rule| (-4.0..LINE + 4.0).contains(&(self.y.at(rule.value) - y + LINE));
-        let lift = if rules.iter().any(near) { LINE } else { 0.0 };
-        let y = (y - 6.0 - lift).max(self.top + LINE);
+        // Where it covers neither a rule nor its label, if there is such a place.
+        let is_free = |at: &f64| {
+            let covers = |rule: &Rule| (-LINE - 2.0..LINE).contains(&(at - self.y.at(rule.value)));
+            *at >= self.top + LINE && *at < self.height - BOTTOM && !rules.iter().any(covers)
+        };
+        let places = [-6.0, -18.0, 14.0, -30.0, 26.0].map(|away| y + away);
+        let y = places.into_iter().find(is_free).unwrap_or_else(|| (y - 6.0).max(self.top + LINE));
         self.svg.label(
             content,
             &[("class", &look.class("name")), ("x", &At(x)), ("y", &At(y)), ("text-anchor", &anchor)],
@@ -507,7 +541,11 @@ impl Panel {
         self.svg.close();
     }
 
-    pub fn finish(self) -> String {
+    pub fn finish(mut self) -> String {
+        let x = At(self.left + 2.0);
+        for (name, y) in &self.rows {
+            self.svg.label(name, &[("class", &"row"), ("x", &x), ("y", &At(*y))]);
+        }
         self.svg.finish()
     }
 }

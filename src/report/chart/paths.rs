@@ -19,6 +19,7 @@ pub struct Paths {
 pub struct ChartPath {
     pub points: Vec<(f64, f64)>,
     pub first: First,
+    /// The run's key.
     pub name: String,
 }
 
@@ -48,7 +49,7 @@ impl Paths {
         panel.cross_hair(0.0, 0.0);
         panel.clip();
         for path in &self.paths {
-            panel.line(path.points.iter().copied(), path.first.look(), &path.name);
+            panel.run_line(path.points.iter().copied(), path.first.look(), &path.name);
         }
         panel.unclip();
         panel.finish()

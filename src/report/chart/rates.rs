@@ -3,7 +3,7 @@
 use super::look::{LegendEntry, Look};
 use super::panel::{Axis, AxisQuantity, Panel, Rule};
 use super::scale::with_room;
-use numbers::inference::{Interval, wilson};
+use numbers::inference::{Interval, clopper_pearson};
 
 /// A chart of rates in per cent.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,7 +42,7 @@ impl Rates {
         self.series.iter().enumerate().map(entry).collect()
     }
 
-    /// The chart with 95 % Wilson intervals.
+    /// The chart with 95 % intervals after Clopper and Pearson, as verdicts on shares have.
     pub fn to_svg(&self) -> String {
         let mut values: Vec<f64> =
             self.series.iter().flat_map(|series| &series.rates).map(|rate| rate.x).collect();
@@ -62,7 +62,7 @@ impl Rates {
             let points = counted().map(|rate| (rate.x, percent(rate)));
             panel.line_aside(points, aside, look, &series.name);
             for rate in counted() {
-                let Interval { low, high } = wilson(rate.holding as u64, rate.runs as u64, 0.95);
+                let Interval { low, high } = clopper_pearson(rate.holding as u64, rate.runs as u64, 0.95);
                 panel.interval(rate.x, low * 100.0, high * 100.0, aside, look);
                 let title = format!(
                     "{}, {}: {} of {} runs (95 % interval {:.0}–{:.0} %)",

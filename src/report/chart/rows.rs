@@ -56,7 +56,7 @@ impl Rows {
             let look = dot.first.look();
             let title = format!("{} {}", self.x.show(dot.value), dot.name);
             let path = look.marker(at(dot.value, panel), middle + aside);
-            panel.shape(&look.class("dot"), &path, title.trim_end());
+            panel.dot(&path, look, title.trim_end(), dot.run());
         }
         if let Some((lower, median, upper)) = quartiles {
             let (left, line, right) = (at(lower, panel), at(median, panel), at(upper, panel));
@@ -79,7 +79,7 @@ mod tests {
             name: name.into(),
             dots: values
                 .iter()
-                .map(|value| Dot { value: *value, first: First::Vehicle, name: String::new() })
+                .map(|value| Dot { value: *value, first: First::Vehicle, name: String::new(), is_run: false })
                 .collect(),
             undefined: 1,
         };

@@ -31,8 +31,17 @@ pub struct Strip {
 pub struct Dot {
     pub value: f64,
     pub first: First,
-    /// Names the run.
+    /// Names it.
     pub name: String,
+    /// Whether its name is the key of a run of the suite.
+    pub is_run: bool,
+}
+
+impl Dot {
+    /// The key of its run.
+    pub fn run(&self) -> Option<&str> {
+        (self.is_run && !self.name.is_empty()).then_some(&self.name)
+    }
 }
 
 /// With more dots than this a strip is a violin, and of the dots beyond the 5 % and 95 % quantiles those farthest out are
@@ -87,7 +96,7 @@ impl Strips {
         for (order, dot) in dots.iter().enumerate().filter(|(order, _)| drawn(*order)) {
             let aside = (spread(order) - 0.5) * width * 0.8;
             let title = format!("{} {}", self.y.show(dot.value), dot.name);
-            panel.marker(x, dot.value, aside, dot.first.look(), title.trim_end());
+            panel.run_marker((x, dot.value), aside, dot.first.look(), title.trim_end(), dot.run());
         }
         if let Some(quartiles) = quartiles {
             let title = strip.quartile_title(&self.y, quartiles);
@@ -184,6 +193,7 @@ mod tests {
             value: *value,
             first: First::ALL[index % 2],
             name: format!("{name}/rep={index}"),
+            is_run: index % 2 == 0,
         };
         Strip { name: name.into(), dots: values.iter().enumerate().map(dot).collect(), undefined }
     }

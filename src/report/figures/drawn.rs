@@ -69,7 +69,7 @@ impl Data<'_> {
         let point = |(place, value): (&usize, &Assignment)| {
             let outcome = runs[*place];
             let (x, y) = (value.value.as_number()? / size, charted(outcome, index, unit)?);
-            Some(FoundDot { x, y, first: self.first(outcome), name: outcome.key.clone() })
+            Some(FoundDot { x, y, first: self.first(outcome), name: outcome.key.clone(), is_run: true })
         };
         let mut points: Vec<FoundDot> = values.iter().filter_map(point).collect();
         if points.is_empty() {

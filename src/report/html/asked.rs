@@ -59,6 +59,11 @@ impl<'r> AskedOfRun<'r> {
         self.readings.iter().filter(move |reading| reading.metric.name() == metric)
     }
 
+    /// The last of a moment and all at which metrics took their values, s.
+    pub fn last(&self, moment: f64) -> f64 {
+        self.readings.iter().filter_map(|reading| reading.time).fold(moment, f64::max)
+    }
+
     /// The unit that a criterion about a metric is written in, or else one about a quantity of its dimension.
     pub fn unit(&self, metric: &str, dimension: Dimension) -> Option<Notation> {
         let about = self.criteria.iter().filter(|criterion| criterion.claim.metric().name() == metric);

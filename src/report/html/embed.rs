@@ -4,6 +4,7 @@ use nalgebra::Vector2;
 use serde_json::{Value, json};
 
 use super::minds;
+use super::pairs::user_look;
 use super::plots::RunPlots;
 use super::still::{Still, still};
 use super::told::{RunTold, find, quoted};
@@ -160,6 +161,9 @@ fn run(reports: &[SuiteReport], recording: &Recording, reason: &str, told: &RunT
             "v": numbers(|place| place.speed),
             "h": numbers(|place| place.heading),
         });
+        if let Some(look) = user_look(recording, who) {
+            user["look"] = look.class("").trim().into();
+        }
         let person = who.checked_sub(case.world.vehicles.len()).map(|index| &case.world.pedestrians[index]);
         if let Some(person) = person.filter(|person| !person.kind.is_pedestrian()) {
             user["rides"] = person.kind.word().into();

@@ -264,7 +264,7 @@ impl Charts<'_> {
         let strip = |condition: &ConditionResult| {
             let dot = |run: &CaseRun| {
                 let (first, name) = (First::of(run.passed_first.as_deref()), run.case.key.clone());
-                run.outcome.metrics[index].map(|value| Dot { value: measured.charted(value), first, name })
+                run.outcome.metrics[index].map(|value| Dot { value: measured.charted(value), first, name, is_run: false })
             };
             let dots: Vec<Dot> = condition.runs.iter().filter_map(dot).collect();
             Strip { name: condition.name.clone(), undefined: condition.runs.len() - dots.len(), dots }
@@ -288,6 +288,7 @@ impl Charts<'_> {
                     value: measured.charted(value),
                     first: First::of(after.passed_first.as_deref()),
                     name: after.case.key.clone(),
+                    is_run: false,
                 })
             };
             let dots: Vec<Dot> = pairs.filter_map(dot).collect();

@@ -2,13 +2,19 @@
 
 use serde::Serialize;
 
+use super::figure::HtmlFigure;
+use crate::chart::{Forest, ForestRow, LegendEntry, Look};
 use crate::gate::{
-    HEADINGS, MOST_RUNS_NAMED, cells, changed, check_mark, context, outcome_word, render_gate_report,
-    sentence,
+    HEADINGS, MOST_RUNS_NAMED, cells, changed, check_mark, context, outcome_word, relative,
+    render_gate_report, sentence,
 };
 use results::{
-    Check, CheckOutcome, GateReport, GateState, GateVerdict, NotJudged, SuiteIdentity, SuiteReport, Verdict,
+    Check, CheckOutcome, ComparedSubject, GateReport, GateState, GateVerdict, NotJudged, SuiteIdentity,
+    SuiteReport, Verdict,
 };
+
+/// More differences of one unit than this are not drawn.
+const MOST_DRAWN: usize = 24;
 
 #[derive(Debug, Serialize)]
 pub struct GateSection {
@@ -27,6 +33,8 @@ pub struct GateSection {
     context: Vec<String>,
     headings: [&'static str; HEADINGS.len()],
     regressions: Vec<Regression>,
+    /// What changed, with intervals and tolerances.
+    figure: Option<HtmlFigure>,
     /// Comparisons that did not hold.
     open: Vec<Row>,
     held: Vec<Row>,
@@ -79,6 +87,7 @@ impl GateSection {
             context: Vec::new(),
             headings: HEADINGS,
             regressions: Vec::new(),
+            figure: None,
             open: Vec::new(),
             held: Vec::new(),
         };
@@ -97,6 +106,7 @@ impl GateSection {
         let mut context = context(verdict);
         self.summary = context.remove(0);
         self.context = context;
+        self.figure = forest(suite, &verdict.checks);
         for check in &verdict.checks {
             if check.outcome == CheckOutcome::Regressed {
                 self.regressions.push(Regression::new(suite, check));
@@ -105,6 +115,78 @@ impl GateSection {
             rows.push(Row::new(check));
         }
     }
+}
+
+/// The differences of comparisons, those of means and those of shares; none if nothing changed.
+fn forest(suite: &SuiteIdentity, checks: &[Check]) -> Option<HtmlFigure> {
+    // What is new is no difference: a single run of it decides.
+    let changed = checks
+        .iter()
+        .filter(|check| check.outcome != CheckOutcome::Same && check.subject != ComparedSubject::New);
+    let (drawn, of_zero): (Vec<&Check>, Vec<&Check>) =
+        changed.partition(|check| relative(check, check.tolerance).is_some());
+    let (means, shares): (Vec<&Check>, Vec<&Check>) =
+        drawn.into_iter().partition(|check| check.subject == ComparedSubject::Mean);
+    let (mut panels, mut looks, mut left_out) = (Vec::new(), Vec::new(), of_zero.len());
+    for (title, axis, mut checks) in
+        [("means", "change (% of the base)", means), ("shares of runs", "change (percentage points)", shares)]
+    {
+        checks.sort_by_key(|check| outcome_look(check.outcome).0);
+        left_out += checks.len().saturating_sub(MOST_DRAWN);
+        checks.truncate(MOST_DRAWN);
+        looks.extend(checks.iter().map(|check| outcome_look(check.outcome)));
+        let rows: Vec<ForestRow> = checks.into_iter().filter_map(|check| forest_row(suite, check)).collect();
+        if !rows.is_empty() {
+            panels.push(Forest { title: title.into(), axis: axis.into(), rows }.to_svg());
+        }
+    }
+    if panels.is_empty() {
+        return None;
+    }
+    looks.sort_unstable();
+    looks.dedup();
+    let legend = looks.into_iter().map(|(look, label)| LegendEntry {
+        swatch: Look::series(look).swatch(false, true),
+        label: label.into(),
+    });
+    let mut note = "Candidate minus base, with the interval of the table; a line without a cap goes on. The dashed line is what is \
+                    tolerated: what lies beyond it, seen from zero, is worse. What is the same is not drawn."
+        .to_string();
+    if left_out > 0 {
+        note += &format!(" {left_out} more are in the tables only.");
+    }
+    Some(HtmlFigure::new("What changed", note, panels).with_legend(legend.collect()))
+}
+
+/// The look and its words, what matters most first.
+fn outcome_look(outcome: CheckOutcome) -> (usize, &'static str) {
+    match outcome {
+        CheckOutcome::Regressed => (1, "✗ regressed"),
+        CheckOutcome::NotShown => (2, "? not shown either way"),
+        CheckOutcome::Held | CheckOutcome::Same => (3, "✓ held"),
+    }
+}
+
+fn forest_row(suite: &SuiteIdentity, check: &Check) -> Option<ForestRow> {
+    let [label, base, candidate, change, tolerated, _] = cells(check);
+    let name = format!("{} {label}, {}", check_mark(check.outcome), check.place);
+    let mut title = format!("{name}: {base} -> {candidate}, {change}, tolerated {tolerated}");
+    if let Some(worst) = check.worse_runs.first() {
+        title += &format!("; {}", suite.replay_command(&worst.key));
+    }
+    let scaled = |value: f64| relative(check, value);
+    let interval = match check.interval {
+        Some((low, high)) => Some((scaled(low)?, scaled(high)?)),
+        None => None,
+    };
+    Some(ForestRow {
+        name,
+        difference: scaled(check.candidate - check.base)?,
+        interval,
+        tolerated: scaled(if check.larger_is_worse { check.tolerance } else { -check.tolerance })?,
+        look: Look::series(outcome_look(check.outcome).0),
+        title,
+    })
 }
 
 impl Row {
@@ -132,5 +214,41 @@ impl Regression {
             runs: worse.iter().take(MOST_RUNS_NAMED).map(|run| changed(check, run)).collect(),
             command: worse.first().map(|run| suite.replay_command(&run.key)),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fixture::Session;
+
+    #[test]
+    fn what_is_drawn_is_what_the_table_says() {
+        let report = Session::new().report();
+        let judged = |gate: &GateReport| match &gate.state {
+            GateState::Judged(verdict) => Some((**verdict).clone()),
+            _ => None,
+        };
+        let verdicts: Vec<GateVerdict> = report.gates.iter().filter_map(judged).collect();
+        let of = |outcome| verdicts.iter().flat_map(|one| &one.checks).find(|check| check.outcome == outcome);
+        let regressed = of(CheckOutcome::Regressed).expect("one regressed");
+        let row = forest_row(&report.identity, regressed).expect("its base is not 0");
+        let expected = 100.0 * (regressed.candidate - regressed.base) / regressed.base.abs();
+        assert_eq!(row.difference, expected);
+        // Less is worse, so that it is worse below the tolerance.
+        assert!(!regressed.larger_is_worse && row.tolerated < 0.0 && row.difference < row.tolerated);
+        let shown = cells(regressed);
+        assert!(row.title.contains(&shown[3]) && row.title.contains("replay"), "{}", row.title);
+        let (low, high) = row.interval.expect("there is chance in it");
+        assert!(low <= row.difference && row.difference <= high);
+        // Nothing is drawn of what is the same, and a mean of 0 has no per cent.
+        let same: Vec<Check> = verdicts.iter().flat_map(|one| one.checks.clone()).collect();
+        let same: Vec<Check> = same.into_iter().filter(|check| check.outcome == CheckOutcome::Same).collect();
+        assert!(forest(&report.identity, &same).is_none());
+        let of_zero = Check { base: 0.0, ..regressed.clone() };
+        assert!(forest(&report.identity, &[of_zero.clone()]).is_none());
+        let figure = forest(&report.identity, &[regressed.clone(), of_zero]).expect("one is drawn");
+        assert!(figure.note.contains("1 more are in the tables only"), "{}", figure.note);
+        assert_eq!((figure.panels.len(), figure.legend.len()), (1, 1));
     }
 }

@@ -62,9 +62,38 @@
     (table.closest(".scroll") || table).before(label);
   }
 
+  // A run that is pointed at in a chart is opened if it is in the page; of another one stands there how to see it.
   const data = byId("data");
+  const runs = data ? JSON.parse(data.textContent) : [];
+  const kept = new Set(runs.map(({ key }) => key));
+  for (const mark of document.querySelectorAll("[data-run]")) if (kept.has(mark.dataset.run)) mark.classList.add("opens");
+  for (const figures of document.querySelectorAll("[data-replay]")) {
+    figures.addEventListener("click", (event) => {
+      const mark = event.target.closest("[data-run]");
+      if (!mark) return;
+      const key = mark.dataset.run;
+      if (kept.has(key)) {
+        location.hash = `run=${encodeURI(key)}`;
+        return;
+      }
+      const figure = mark.closest("figure"), said = figure.querySelector(".pointed") || document.createElement("p");
+      const code = document.createElement("code"), button = document.createElement("button");
+      said.className = "command pointed";
+      said.setAttribute("role", "status");
+      code.textContent = figures.dataset.replay.replace("{run}", () => key);
+      button.type = "button";
+      button.textContent = "copy";
+      button.hidden = !navigator.clipboard;
+      button.addEventListener("click", async () => {
+        await navigator.clipboard.writeText(code.textContent);
+        button.textContent = "copied";
+      });
+      said.replaceChildren(code, button);
+      figure.append(said);
+    });
+  }
+
   if (!data) return;
-  const runs = JSON.parse(data.textContent);
   for (const id of ["player", "choosing", "beside"]) byId(id).hidden = false;
   document.body.classList.add("ready");
 
@@ -122,13 +151,15 @@
     element("path", { d: `M${right - 11} ${low + 0.9}v.5h10v-.5`, fill: "none", stroke: "var(--muted)", "stroke-width": 0.1 }, bar);
     element("text", { x: right - 6, y: low + 1.1, "font-size": size, "text-anchor": "middle" }, bar, "10 m");
     const actors = run.users.map((user) => {
-      const trail = element("path", { class: `trail ${user.kind}` }, view);
+      // The colour that it has in the plots.
+      const kind = `${user.kind} ${user.look || ""}`;
+      const trail = element("path", { class: `trail ${kind}` }, view);
       const body = element("g", {}, view);
       const { length, width } = user;
       if (user.round) {
-        element("circle", { class: user.kind, r: length / 2 }, body);
+        element("circle", { class: kind, r: length / 2 }, body);
       } else {
-        element("rect", { class: user.kind, x: -length / 2, y: -width / 2, width: length, height: width, rx: user.kind === "vehicle" ? 0.35 : 0.05 }, body);
+        element("rect", { class: kind, x: -length / 2, y: -width / 2, width: length, height: width, rx: user.kind === "vehicle" ? 0.35 : 0.05 }, body);
       }
       if (user.kind === "vehicle") element("path", { class: "nose", d: `M${length * 0.22} ${-width * 0.36}V${width * 0.36}` }, body);
       const label = element("text", { "font-size": size, "text-anchor": "middle" }, view);
@@ -372,7 +403,11 @@
     });
     return () => {
       const x = 42 + (Math.max(0, Math.min(1, (time - from) / (to - from)))) * 288;
-      for (const cursor of cursors) { cursor.setAttribute("x1", x); cursor.setAttribute("x2", x); }
+      for (const cursor of cursors) {
+        cursor.setAttribute("x1", x);
+        cursor.setAttribute("x2", x);
+        cursor.setAttribute("visibility", time > to + 1e-9 ? "hidden" : "visible");
+      }
     };
   };
 

@@ -12,6 +12,22 @@ use sim::measure::PairDetails;
 /// More pairs than this are not drawn: those that metrics took their values of are, what fails first, and then those that come nearest.
 pub const MOST_PAIRS: usize = 2;
 
+/// More road users than this are not drawn over time: the first are, vehicles before people.
+pub const MOST_USERS: usize = 4;
+
+/// The look of a road user that is drawn over time, the same in every picture of it: those of "pedestrian first" and "vehicle first" for the first
+/// person and the first vehicle.
+pub fn user_look(recording: &Recording, who: usize) -> Option<Look> {
+    let shown = recording.users.len().min(MOST_USERS);
+    let cars = recording.case.world.vehicles.len();
+    let mut order: Vec<usize> = (0..shown).collect();
+    match cars < shown {
+        true => order[..=cars].rotate_right(1),
+        false => order.swap(0, 1.min(shown.saturating_sub(1))),
+    }
+    order.iter().position(|one| *one == who).map(Look::series)
+}
+
 /// A pair that is drawn.
 pub struct DrawnPair {
     /// Their places in the world.

@@ -5,16 +5,18 @@ use serde::Serialize;
 
 use super::asked::{AskedOfRun, RunReading};
 use super::minds::{self, Picture};
-use super::pairs::{DrawnPair, MOST_PAIRS, drawn_pairs, goes_straight};
+use super::pairs::{DrawnPair, MOST_PAIRS, MOST_USERS, drawn_pairs, goes_straight, user_look};
 use super::shared_area;
 use crate::chart::{AxisQuantity, First, LOOKS, Look, OverTime, Rule, TimeMark, TimeSeries};
 use results::{Place, Recording, Requests, SuiteReport};
 use scenario::{Dimension, MetricReference, Notation};
 
-/// More road users than this are not drawn: the first are, vehicles before people.
-const MOST_USERS: usize = 4;
 // Each line has a look of its own, so that one legend tells them apart.
 const _: () = assert!(MOST_USERS + MOST_PAIRS <= LOOKS);
+
+/// So long after the moment that is marked, and after all that metrics took their values of, is drawn, s: what comes later would press
+/// together what matters.
+const AFTER: f64 = 3.0;
 
 /// Times to collision above this are not drawn, unless something is asked of them, s.
 const LONGEST: f64 = 10.0;
@@ -59,11 +61,16 @@ impl RunPlots {
     ) -> Self {
         let times = &recording.times;
         let (from, to) = (times.first().copied().unwrap_or(0.0), times.last().copied().unwrap_or(1.0));
-        let to = if to > from { to } else { from + 1.0 };
+        let end = if to > from { to } else { from + 1.0 };
         let cars = recording.case.world.vehicles.len();
         let shown = recording.users.len().min(MOST_USERS);
-        let users = || (0..shown).map(|who| (who, Look::series(who), recording.name(who)));
+        let look_of = |who: usize| user_look(recording, who).unwrap_or_else(|| First::Neither.look());
+        let users = || (0..shown).map(|who| (who, look_of(who), recording.name(who)));
         let asked = AskedOfRun::new(reports, requests, recording);
+        let to = moment.map_or(end, |moment| {
+            let last = ((asked.last(moment) + AFTER) * 10.0).round() / 10.0;
+            if last - from < 0.75 * (end - from) { last } else { end }
+        });
         let (pairs, pairs_left_out) = drawn_pairs(&asked, recording, shown);
         let of = |each: &dyn Fn(usize) -> Points| -> Vec<TimeSeries> {
             let series = |(who, look, name): (usize, Look, &str)| TimeSeries {
@@ -88,7 +95,7 @@ impl RunPlots {
             });
             match (pair, reading.vehicle, reading.pedestrian) {
                 (Some(pair), ..) => (pair.look, String::new()),
-                (None, Some(car), None) if car < shown => (Look::series(car), String::new()),
+                (None, Some(car), None) if car < shown => (look_of(car), String::new()),
                 (None, Some(car), Some(person)) => {
                     let (car, person) = (recording.name(car), recording.name(cars + person));
                     (First::Neither.look(), format!(", {car} and {person}"))
@@ -97,7 +104,7 @@ impl RunPlots {
                 (None, None, _) => (First::Neither.look(), String::new()),
             }
         };
-        let is_marked = std::cell::Cell::new(false);
+        let marked = std::cell::Cell::new(None);
         // In the unit of the criteria, as tables and charts are.
         let over = |plot: Plot, is_drawn: &dyn Fn(&MetricReference) -> bool| {
             let Plot { title, name, dimension, mut series, metric, ceiling } = plot;
@@ -118,7 +125,7 @@ impl RunPlots {
                 })
             });
             let marks: Vec<TimeMark> = marks.collect();
-            is_marked.set(is_marked.get() || !marks.is_empty());
+            marked.set(marked.get().or(marks.first().map(|mark| mark.look)));
             let is_empty = series.is_empty() && marks.is_empty();
             let ceiling = ceiling.map(|ceiling| above(in_unit(ceiling), &series, &rules));
             let plot = OverTime { title: title.into(), y, from, to, series, rules, moment, marks, ceiling };
@@ -170,8 +177,7 @@ impl RunPlots {
             panels.push(over(ahead("Time to collision, straight on", true), &goes_straight));
         }
         let rows = pairs.iter().filter_map(|pair| {
-            let user = |who: usize| if who < shown { Look::series(who) } else { First::Neither.look() };
-            let looks = (user(pair.vehicle), user(cars + pair.pedestrian));
+            let looks = (look_of(pair.vehicle), look_of(cars + pair.pedestrian));
             Some(shared_area::rows(&asked, recording, pair.details(recording)?, looks))
         });
         panels.push(shared_area::picture(rows.flatten().collect(), (from, to), moment));
@@ -194,12 +200,16 @@ impl RunPlots {
                 format!("{left_out} What {people} more people make of it is not drawn.").trim_start().into()
             }
         };
+        let left_out = match to < end {
+            true => format!("{left_out} Nothing is drawn after {to:.1} s; the run went on to {end:.1} s.").trim_start().into(),
+            false => left_out,
+        };
         let line = |look: Look, name: &str| (look.swatch(true, false), name.to_string());
         let mut legend: Vec<_> = users().map(|(_, look, name)| line(look, name)).collect();
         legend.extend(pairs.iter().map(|pair| line(pair.look, &pair.name)));
-        if is_marked.get() {
-            let marker = First::Neither.look().swatch(false, true);
-            legend.push((marker, "single marks: what a metric came to, from every step of the run".into()));
+        if let Some(look) = marked.get() {
+            let words = "single marks, each in the shape of whose it is: what a metric came to, from every step of the run";
+            legend.push((look.swatch(false, true), words.into()));
         }
         let moment = moment.map_or_else(String::new, |time| format!("upright line: {time:.2} s"));
         let panels = panels.into_iter().flatten().map(Picture::plain).chain(minds);

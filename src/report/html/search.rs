@@ -246,6 +246,7 @@ impl Hunt<'_> {
                 y: self.objective.charted(found.observed?),
                 first: first(found),
                 name: self.name(found),
+                is_run: false,
             })
         };
         let course = |found: &&Found| {
@@ -284,7 +285,7 @@ impl Hunt<'_> {
             let here = self.found.iter().filter(|found| at(found) == Some(place as f64));
             let dot = |found: &&Found| {
                 let value = self.objective.charted(found.observed?);
-                Some(Dot { value, first: first(found), name: self.name(found) })
+                Some(Dot { value, first: first(found), name: self.name(found), is_run: false })
             };
             Strip { name: word.clone(), dots: here.filter_map(dot).collect(), undefined: 0 }
         };

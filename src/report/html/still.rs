@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use nalgebra::Vector2;
 
-use super::pairs::outline;
+use super::pairs::{outline, user_look};
 use crate::drawing::{view, world_marks};
 use files::escape::html;
 use results::Recording;
@@ -57,8 +57,9 @@ pub fn still(recording: &Recording, time: f64) -> Still {
         let Some(body) = recording.times.get(index).and_then(|_| outline(recording, who, index)) else {
             continue;
         };
-        let class = if who < cars { "vehicle" } else { "pedestrian" };
-        draw(&mut content, class, &body, flip(body.centre));
+        let kind = if who < cars { "vehicle" } else { "pedestrian" };
+        let class = user_look(recording, who).map_or_else(|| kind.into(), |look| look.class(kind));
+        draw(&mut content, &class, &body, flip(body.centre));
         let (x, y) = flip(body.centre);
         let name = html(recording.name(who));
         let y = y - half_height(&body) - 0.5;

@@ -119,6 +119,8 @@ struct Suite {
     statements: Option<Statements>,
     scenarios: Vec<Scenario>,
     figures: Vec<HtmlFigure>,
+    /// What to type to see a run of the charts again, with `{run}` for its key.
+    replay: String,
     blocks: Vec<block::BlockSection>,
     gates: Vec<gate::GateSection>,
     ratings: Vec<rating::RatingSection>,
@@ -342,6 +344,7 @@ fn suite<'r>(
         statements: Statements::new(report),
         scenarios: all_scenarios(report, &columns, animated),
         figures: figures(report, requests, drawn).into_iter().map(HtmlFigure::from).collect(),
+        replay: report.identity.replay_command("{run}"),
         blocks: block::BlockSection::all(report),
         gates: gate::GateSection::all(report),
         ratings: rating::RatingSection::all(report),
