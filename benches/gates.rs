@@ -30,7 +30,8 @@ fn main() {
         zebra();
     }
     if wanted("chance") {
-        by_chance(asked.iter().find_map(|one| range(one)).unwrap_or(0..PAIRS));
+        let pairs = asked.iter().find_map(|one| range(one)).unwrap_or(0..PAIRS);
+        by_chance(pairs, !asked.iter().any(|one| one == "ends"));
     }
 }
 
@@ -73,7 +74,7 @@ const THOUSAND: &str = "suite thousand {
 }
 ";
 
-/// Pairs of runs on different seeds. 12 s of one core each: `chance 100..400` is a part of them.
+/// Pairs of runs on different seeds. 12 s of one core each: `chance 100..400` is a part of them, `chance ends` leaves out the sequential gates.
 const PAIRS: u64 = 400;
 
 /// What pairs of such runs came to at a gate.
@@ -93,7 +94,7 @@ struct Counts {
 
 /// How often gates fail by chance, and how often for a rise of collisions from 0 to 1 %: pairs of that suite on different seeds.
 /// Collisions are flags that are set by lot in 1 % of the candidate's runs, or in 5 %, whatever else happened in them.
-fn by_chance(pairs: Range<u64>) {
+fn by_chance(pairs: Range<u64>, looks: bool) {
     let files = Memory::default().with("thousand.suite", THOUSAND);
     let found = lang::load(Path::new("thousand.suite"), &standard(), &files);
     let suite = found.unwrap_or_else(|_| panic!("it is a suite")).suite;
@@ -106,7 +107,7 @@ fn by_chance(pairs: Range<u64>) {
             if pair >= pairs.end {
                 return;
             }
-            let own: Vec<Counts> = one_pair(&suite, pair);
+            let own: Vec<Counts> = one_pair(&suite, pair, looks);
             let (done, counts) = &mut *counts.lock().expect("no thread panics");
             *done += 1;
             for (all, own) in counts.iter_mut().zip(own) {
@@ -114,7 +115,7 @@ fn by_chance(pairs: Range<u64>) {
             }
             if *done % 20 == 0 {
                 println!("  after {done} pairs:");
-                suite.gates.iter().zip(&*counts).for_each(|(gate, counts)| counts.print(gate, *done));
+                suite.gates.iter().zip(&*counts).for_each(|(gate, counts)| counts.print(gate, *done, looks));
             }
         }
     };
@@ -124,7 +125,7 @@ fn by_chance(pairs: Range<u64>) {
     });
 }
 
-fn one_pair(suite: &Suite, pair: u64) -> Vec<Counts> {
+fn one_pair(suite: &Suite, pair: u64, with_looks: bool) -> Vec<Counts> {
     let seeded = |seed| runs_on(&Suite { seed, ..suite.clone() }, &Threads::new(1));
     let (base, candidate) = (seeded(2 * pair + 1), seeded(2 * pair + 2));
     let column = base.metrics.iter().position(|one| one.label == "collision").expect("it is measured");
@@ -159,6 +160,9 @@ fn one_pair(suite: &Suite, pair: u64) -> Vec<Counts> {
                 .any(|check| counts(check) && check.adjusted_p_value.is_some_and(|p| p <= least))
         };
         let ended = |candidate: &Baseline| {
+            if !with_looks {
+                return None;
+            }
             let mut looks = LookRounds::of(candidate).looks();
             looks.find_map(|after| {
                 look_at(&sequential, &base, candidate, false, after).expect("they may be compared")
@@ -192,7 +196,7 @@ impl Counts {
         self.runs += other.runs;
     }
 
-    fn print(&self, gate: &Gate, pairs: u64) {
+    fn print(&self, gate: &Gate, pairs: u64, looks: bool) {
         let percent = |count: u64| 100.0 * count as f64 / pairs as f64;
         println!(
             "    gate {}: {} false alarms ({:.2} %; {} by Holm's correction), a rise of collisions from 0 to 1 % seen in {:.1} %",
@@ -202,6 +206,9 @@ impl Counts {
             self.by_holm,
             percent(self.seen),
         );
+        if !looks {
+            return;
+        }
         println!(
             "      as a sequential one: {} false alarms ({:.2} %), seen in {:.1} %; a rise to 5 % ended it in {:.1} %, after {:.0} runs on average",
             self.sequential_alarms,

@@ -112,6 +112,24 @@ const player = async (browser, name) => {
   await close();
 };
 
+// Two runs beside each other, at the same time.
+const beside = async (browser, name) => {
+  const { page, close } = await open(browser, { reducedMotion: "reduce" }, name);
+  assert(!(await page.locator("#second").isVisible()), `${name}: one run alone`);
+  await page.locator("#also").selectOption({ index: 2 });
+  assert(await page.locator("#view2 rect.vehicle").first().isVisible() && (await page.locator("#sentence2").textContent()).length > 10);
+  const place = () => page.locator("#view2 g:has(> rect.vehicle)").first().getAttribute("transform");
+  await page.locator("#time").fill("0.5");
+  const before = await place();
+  await page.locator("#time").fill("2.5");
+  assert.notStrictEqual(await place(), before, `${name}: the run beside moves, too`);
+  await page.screenshot({ path: path.join(pictures, `${name}_beside.png`) });
+  const chosen = await page.locator("#also").inputValue();
+  await page.locator("#choice").selectOption(chosen);
+  assert(!(await page.locator("#second").isVisible()), `${name}: no run stands beside itself`);
+  await close();
+};
+
 // Tables are sorted by a click and by Enter, and filtered.
 const tables = async (browser, name) => {
   const { page, close } = await open(browser, {}, name);
@@ -141,7 +159,7 @@ const numbers = async (browser, name) => {
   for (const trial of results.suites.flatMap((suite) => suite.trials)) {
     const row = await page.evaluate((key) => {
       const found = document.getElementById(key);
-      return found && [...found.cells].map((cell) => ({ text: cell.textContent.trim(), kind: cell.className }));
+      return found && [...found.cells].map((cell) => ({ text: cell.innerText.trim(), kind: cell.className }));
     }, trial.key);
     if (!row) continue;
     const failed = trial.findings.some((one) => one.verdict === "failed");
@@ -175,7 +193,7 @@ const numbers = async (browser, name) => {
 // Links name runs and trials; marks of charts open their runs, or say how to see them, which is then done.
 const links = async (browser, name) => {
   const { page, close } = await open(browser, { reducedMotion: "reduce" }, name);
-  const watch = page.locator("a.watch").last();
+  const watch = page.locator("a.watch:visible").last();
   const wanted = (await watch.getAttribute("href")).slice("#run=".length);
   await watch.click();
   const chosen = () => page.locator("#choice").evaluate((list) => list.selectedOptions[0].textContent);
@@ -223,6 +241,7 @@ const map = async (browser, name) => {
   }
   assert(compared > 20, `${compared} numbers were compared`);
   await player(browser, "zebra_unsafe");
+  await beside(browser, "zebra_unsafe");
   await tables(browser, "two_variations");
   await links(browser, "two_variations");
   await map(browser, "two_variations");

@@ -461,8 +461,14 @@ impl Panel {
     /// A few words above a place, to its left where there is room, and clear of the labels of lines across.
     pub fn note(&mut self, x: f64, y: f64, content: &str, look: Look, rules: &[Rule]) {
         let (x, y) = self.place(x, y);
-        let is_room = x - content.chars().count() as f64 * LETTER > self.left;
-        let (x, anchor) = if is_room { (x - 6.0, "end") } else { (x + 6.0, "start") };
+        let width = content.chars().count() as f64 * LETTER;
+        let (x, anchor) = if x - width > self.left {
+            (x - 6.0, "end")
+        } else if x + width < WIDTH - RIGHT {
+            (x + 6.0, "start")
+        } else {
+            (WIDTH - RIGHT, "end")
+        };
         // Where it covers neither a rule nor its label, if there is such a place.
         let is_free = |at: &f64| {
             let covers = |rule: &Rule| (-LINE - 2.0..LINE).contains(&(at - self.y.at(rule.value)));

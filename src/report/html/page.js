@@ -105,11 +105,13 @@
     return made;
   };
   const view = byId("view"), plane = byId("plane"), slider = byId("time"), following = byId("followed");
-  let run, followed = null, time = 0, playing = false, last = 0, until = Infinity, update = () => {};
+  // Which run each of its users belongs to: two may be looked at together.
+  for (const each of runs) for (const user of each.users) user.times = each.times;
+  let run, second = null, followed = null, time = 0, playing = false, last = 0, until = Infinity, update = () => {};
 
   // The place of a road user at a time, linear between the recorded ones; null before it appears.
   const placeAt = (user, at) => {
-    const times = run.times;
+    const times = user.times;
     let after = times.findIndex((known) => known >= at);
     if (after < 0) after = times.length - 1;
     const before = Math.max(0, after - 1);
@@ -125,7 +127,7 @@
   const pick = (user, index) => ({ x: user.x[index], y: user.y[index], v: user.v[index], h: user.h[index] });
 
   // The road from above. Its y axis points up, SVG's points down.
-  const drawView = () => {
+  const drawView = (view, run) => {
     view.replaceChildren();
     const road = run.road, narrow = view.clientWidth > 0 && view.clientWidth < 560;
     const people = run.users.filter((user) => user.kind === "pedestrian").flatMap((user) => user.y).filter((y) => y !== null);
@@ -166,7 +168,9 @@
       return { user, trail, body, label };
     });
     return () => {
-      const middle = followed && placeAt(followed, time);
+      // Of two runs the one beside follows who has the same name.
+      const leader = followed && run.users.find((user) => user.name === followed.name);
+      const middle = leader && placeAt(leader, time);
       const [aside, down] = middle ? [middle.x - (fixed[0] + fixed[1]) / 2, flip(middle.y) - (low + high) / 2] : [0, 0];
       const [left, right, top, bottom] = [fixed[0] + aside, fixed[1] + aside, low + down, high + down];
       view.setAttribute("viewBox", `${left} ${top} ${right - left} ${high - low}`);
@@ -430,8 +434,9 @@
     plots.forEach((each, index) => { each.hidden = runs[index] !== run; });
   };
 
+  const end = () => Math.max(...[run, second].filter((one) => one).map((one) => one.times[one.times.length - 1]));
   const show = (at) => {
-    time = Math.max(0, Math.min(at, run.times[run.times.length - 1]));
+    time = Math.max(0, Math.min(at, end()));
     slider.value = time;
     byId("clock").value = `${time.toFixed(2)} s`;
     update();
@@ -441,11 +446,15 @@
     if (!playing) return;
     show(Math.min(until, time + ((now - last) / 1000) * byId("pace").value));
     last = now;
-    if (time >= Math.min(until, run.times[run.times.length - 1])) pause();
+    if (time >= Math.min(until, end())) pause();
     else requestAnimationFrame(frame);
   };
   const redraw = () => {
-    const parts = [drawView(), drawStates(), drawMinds(), drawPlane(), drawEvents(), drawCursors()];
+    byId("second").hidden = !second;
+    const beside = second ? [drawView(byId("view2"), second)] : [];
+    if (second) byId("sentence2").textContent = second.sentence;
+    if (second) byId("view2").setAttribute("aria-label", `the run beside from above: ${second.sentence}`);
+    const parts = [drawView(view, run), ...beside, drawStates(), drawMinds(), drawPlane(), drawEvents(), drawCursors()];
     update = () => parts.forEach((part) => part());
     update();
   };
@@ -454,8 +463,11 @@
     run = runs[index];
     byId("choice").value = index;
     byId("command").textContent = run.command;
-    slider.max = run.times[run.times.length - 1];
     followed = null;
+    // One beside stays there, unless it is the one that is chosen now.
+    if (second === run) second = null;
+    byId("also").value = runs.indexOf(second);
+    slider.max = end();
     const names = ["nobody", ...run.users.map((user) => user.name)];
     following.replaceChildren(...names.map((name, at) => new Option(name, at)));
     drawWhy();
@@ -473,13 +485,23 @@
     option.textContent = reason === "example" ? `${key} (example)` : `${key} (${reason})`;
     byId("choice").append(option);
   });
+  byId("also").append(new Option("nothing", -1), ...runs.map(({ key }, index) => new Option(key, index)));
+  byId("alone").hidden = runs.length < 2;
+  byId("also").addEventListener("change", (event) => {
+    second = runs[event.target.value] || null;
+    if (second === run) second = null;
+    event.target.value = runs.indexOf(second);
+    slider.max = end();
+    redraw();
+    show(time);
+  });
   byId("choice").addEventListener("change", (event) => choose(+event.target.value));
   following.addEventListener("change", () => { followed = run.users[following.value - 1] || null; update(); });
   slider.addEventListener("input", () => { pause(); show(+slider.value); });
   const play = () => {
     playing = true;
     byId("play").textContent = "❚❚ pause";
-    if (time >= run.times[run.times.length - 1]) show(0);
+    if (time >= end()) show(0);
     last = performance.now();
     requestAnimationFrame(frame);
   };
