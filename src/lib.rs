@@ -202,6 +202,11 @@ pub mod why {
     pub use runner::why::story;
 }
 
+/// Suites that are run again when what they read has changed.
+pub mod watch {
+    pub use runner::watch::{Agenda, Extent, Quiet, SuiteState};
+}
+
 /// Controllers that are programs of users': who may start them, where their processes are, what was said to them, and whether they keep
 /// to the protocol.
 pub mod programs {

@@ -57,6 +57,7 @@ Examples:
   scenario-runner suites/*.suite -E 'tag(paper)'         what an expression selects: `help filter`
   scenario-runner suites/zebra.suite --fail-fast         until the first failure
   scenario-runner suites/zebra.suite --last-failed       only what did not pass last time
+  scenario-runner watch suites/zebra.suite               and again whatever a change concerns
   scenario-runner suites/zebra.suite --junit junit.xml   and write a report for CI
   scenario-runner report results.json --html page.html   a report later, of what --json wrote
   scenario-runner shrink KEY suites/zebra.suite          a failing run as a small scenario of its own

@@ -7,7 +7,7 @@ use super::set::SetArguments;
 use files::Disk;
 use lang::Style;
 use report::console::stderr;
-use runner::project::{Notice, Problems, Project};
+use runner::project::{Notice, Problems, Project, ProjectOptions};
 use scenario::registry::Registry;
 
 /// Whether a word of the command line is meant as a file.
@@ -44,12 +44,17 @@ pub fn open_all<P: AsRef<Path>>(
     set: &SetArguments,
     registry: &Registry,
 ) -> Result<Result<Project, Problems>, Exit> {
+    Ok(Project::open_all(files, &options(seed, set)?, registry, &Disk))
+}
+
+/// What is otherwise than in the files. That something is set twice goes to stderr.
+pub fn options(seed: Option<u64>, set: &SetArguments) -> Result<ProjectOptions, Exit> {
     let options = set.options().map_err(|name| {
         writeln!(stderr(), "error: `{name}` is set twice");
         writeln!(stderr(), "help: leave out one of the two");
         Exit::Usage
     })?;
-    Ok(Project::open_all(files, &options.seed(seed), registry, &Disk))
+    Ok(options.seed(seed))
 }
 
 /// Says on stderr what there is to say.

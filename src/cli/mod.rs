@@ -38,6 +38,7 @@ mod store;
 mod try_program;
 mod validate;
 mod validate_population;
+mod watch;
 mod why;
 
 #[cfg(not(feature = "fmu"))]
@@ -81,6 +82,8 @@ enum Command {
     Init(init::InitArguments),
     /// Run suites and scenarios; the default when no command is named.
     Run(Box<run::RunArguments>),
+    /// Run suites, and again whatever a change of their files concerns.
+    Watch(Box<watch::WatchArguments>),
     /// Look for errors in suites and scenarios without running anything.
     Check(check::CheckArguments),
     /// Bring scenario files into the one style.
@@ -184,6 +187,7 @@ fn obey(cli: Cli, registry: &Registry) -> Exit {
         None => run::run(cli.run, registry, &Cli::command()),
         Some(Command::Init(arguments)) => init::init(&arguments),
         Some(Command::Run(arguments)) => run::run(*arguments, registry, &Cli::command()),
+        Some(Command::Watch(arguments)) => watch::watch(&arguments, registry),
         Some(Command::Check(arguments)) => check::check(&arguments, registry),
         Some(Command::Fmt(arguments)) => format::format(&arguments),
         Some(Command::Convert(arguments)) => convert::convert(&arguments),

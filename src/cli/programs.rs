@@ -178,6 +178,11 @@ fn of_suite(suite: &Suite) -> impl Iterator<Item = &Reference<ControllerModel>> 
     named.filter(|model| model.known().is_some_and(|known| known.program.is_some()))
 }
 
+/// The programs that decide in a suite.
+pub fn declared(suite: &Suite) -> impl Iterator<Item = &DeclaredProgram> {
+    of_suite(suite).filter_map(|model| model.known()?.program.as_deref())
+}
+
 /// Says what is wrong, if anything is.
 pub fn say_all(errors: &[StartError]) -> Result<(), Exit> {
     for error in errors {

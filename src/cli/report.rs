@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::Exit;
-use super::run::{Colour, exit, output};
+use super::run::conduct::Colour;
+use super::run::{exit, output};
 use report::console::{stderr, stdout};
 use report::{StatusLevel, Terminal, read_results, render_gates, render_ratings};
 use scenario::registry::Registry;

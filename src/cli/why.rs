@@ -6,8 +6,8 @@ use clap::Args;
 
 use super::Exit;
 use super::one_case::{CaseArguments, FoundCase, could_not_run};
-use report::console::{stderr, stdout};
-use report::{WhyRun, read_results, render_why, why_json};
+use report::console::{stderr, stdout, takes_blocks};
+use report::{WhyRun, read_results, render_moment, render_why, why_json};
 use results::judge::nearest_passing;
 use runner::run::{MeasuredMetrics, RunBatch, Stop};
 use runner::why::story;
@@ -87,6 +87,9 @@ fn tell(arguments: &WhyArguments, found: &FoundCase, registry: &Registry) -> Res
         writeln!(stdout(), "{:#}", why_json(&run));
     } else {
         write!(stdout(), "{}", render_why(&run));
+        if takes_blocks() {
+            write!(stdout(), "{}", render_moment(&run));
+        }
     }
     Ok(Exit::Success)
 }

@@ -8,6 +8,7 @@
 #![allow(clippy::disallowed_methods, reason = "this is where they are wrapped")]
 
 mod batch;
+mod changes;
 mod destination;
 pub mod escape;
 mod folder;
@@ -15,6 +16,7 @@ mod in_place;
 mod log;
 mod log_reader;
 mod read;
+mod recording;
 mod relative;
 mod source;
 mod temporary;
@@ -23,12 +25,14 @@ mod tests;
 mod whole;
 
 pub use batch::Batch;
+pub use changes::Changes;
 pub use folder::make_folder;
 pub use log::{Log, LogContents, append_text};
 pub use log_reader::{Header, LARGEST_RECORD, LogError, LogFormat, LogReader};
 pub use read::{
     LARGEST, Lines, ReadError, check_kind, read_bytes, read_kind, read_standard_input, read_text,
 };
+pub use recording::RecordingDisk;
 pub use relative::relative;
 pub use source::{Disk, Files, Memory, Overlay, PatternError};
 pub use whole::{WholeFile, check_target, create_new, remove, write};

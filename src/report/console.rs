@@ -61,6 +61,14 @@ fn own_streams() -> io::Result<(File, File)> {
     Ok((input.as_handle().try_clone_to_owned()?.into(), output.as_handle().try_clone_to_owned()?.into()))
 }
 
+/// Whether a terminal shows more than ASCII, as far as the language of this user tells; what is left out otherwise is only to be looked at.
+pub fn takes_blocks() -> bool {
+    let said = ["LC_ALL", "LC_CTYPE", "LANG"].into_iter().filter_map(std::env::var_os);
+    let locale =
+        said.map(|value| value.to_string_lossy().to_ascii_lowercase()).find(|value| !value.is_empty());
+    cfg!(windows) || locale.is_some_and(|locale| locale.contains("utf-8") || locale.contains("utf8"))
+}
+
 /// Why a stream takes nothing more.
 #[derive(Debug)]
 struct Broken(io::Error);

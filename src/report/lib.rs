@@ -91,7 +91,7 @@ pub use table::render_tables;
 pub use tap::write_tap;
 pub use terminal::{Live, StatusLevel, Terminal};
 pub use trace::{TraceColumns, write_trace, write_trace_with};
-pub use why::{WhyRun, render_why, why_json};
+pub use why::{WhyRun, render_moment, render_why, why_json};
 pub use wording::run_words;
 
 use std::io;

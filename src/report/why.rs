@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use serde_json::{Value, json};
 
+use super::drawing::moment_text;
 use super::format::with_unit;
 use super::replay::{RunReason, describe, introduced, run_reasons};
 use results::{
@@ -115,6 +116,18 @@ pub fn render_why(run: &WhyRun) -> String {
         (_, Err(why)) => line(&format!("  nearest run that passed: {why}")),
     }
     text
+}
+
+/// A picture is no larger, columns and rows.
+const PICTURE: (usize, usize) = (72, 7);
+
+/// Who was where when the run failed, from above; nothing of one that did not.
+pub fn render_moment(run: &WhyRun) -> String {
+    let reasons = run_reasons(run.criteria, &run.story.outcome, run.requests);
+    let Some(time) = moment(run.story, &reasons) else { return String::new() };
+    let lines = moment_text(run.case, &run.story.trace, time, PICTURE.0, PICTURE.1);
+    let lines: String = lines.iter().map(|line| format!("  {line}").trim_end().to_string() + "\n").collect();
+    format!("  from above, after {time:.2} s:\n{lines}")
 }
 
 /// Why a run ends.

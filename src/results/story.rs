@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::outcome::Outcome;
-use sim::TimelineEvent;
+use sim::{TimelineEvent, Trace};
 
 /// The story of a run.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -11,6 +11,9 @@ pub struct Story {
     /// What it came to.
     #[serde(skip)]
     pub outcome: Outcome,
+    /// Where everybody was.
+    #[serde(skip)]
+    pub trace: Trace,
     /// What happened, in the order of time.
     pub events: Vec<TimelineEvent>,
     /// Who was first shown whom, in the order of time.

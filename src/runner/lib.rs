@@ -17,4 +17,5 @@ pub mod project;
 pub mod run;
 pub mod session;
 pub mod shrink;
+pub mod watch;
 pub mod why;

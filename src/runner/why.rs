@@ -28,7 +28,7 @@ pub fn story(batch: RunBatch, case: &Case, criteria: &[Criterion]) -> Result<Sto
     let Ran { outcome, trace, events, commands, .. } = batch.one(case, Wanted::Commands)?;
     let first_seen = first_seen(case, &events, &trace);
     let contact = first_contact(case, &events, &trace);
-    let mut story = Story { outcome, events, first_seen, contact, otherwise: Vec::new() };
+    let mut story = Story { outcome, trace, events, first_seen, contact, otherwise: Vec::new() };
     let (against, _) = against(criteria, &story.outcome, &batch.measured.requests, true);
     if !against.is_empty() || story.contact.is_some() {
         let what_ifs = WhatIfs { batch, case, criteria, story: &story, commands: &commands };

@@ -37,8 +37,14 @@ impl Reporter for Startled {
 fn run_all(reporter: &mut dyn Reporter, session: &Runner) -> Vec<(String, TrialState)> {
     let units = units(session.suites());
     let chosen = vec![true; units.len()];
-    let orders =
-        Orders { chosen: &chosen, max_failures: None, every_trial: true, memory: None, lenient: false };
+    let orders = Orders {
+        chosen: &chosen,
+        first: &[],
+        max_failures: None,
+        every_trial: true,
+        memory: None,
+        lenient: false,
+    };
     let mut reports = session.run(&units, &orders, reporter);
     reports.remove(0).trials.into_iter().map(|one| (one.trial.key.clone(), one.state)).collect()
 }

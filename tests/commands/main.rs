@@ -33,4 +33,5 @@ mod summary;
 mod support;
 mod units;
 mod verdicts;
+mod watch;
 mod why;

@@ -2,6 +2,7 @@
 
 use std::fs;
 use std::path::Path;
+use std::process::Command;
 
 use crate::support::program::{code, scenario_runner, stderr, stdout};
 use serde_json::Value;
@@ -49,6 +50,27 @@ fn a_failing_run_has_a_story() {
         assert!((10..=20).contains(&lines), "{lines} lines: {said}");
         insta::assert_snapshot!(format!("why_{name}"), said);
     }
+}
+
+/// It stands behind everything else, of runs that fail, where the terminal shows it.
+#[test]
+fn who_was_where_when_it_failed_is_drawn() {
+    let drawn = |folder: &Path, arguments: &[&str]| {
+        let plain = stdout(&scenario_runner(folder, arguments));
+        let mut command = Command::new(env!("CARGO_BIN_EXE_scenario-runner"));
+        let output = command.args(arguments).current_dir(folder).env("LC_ALL", "C.UTF-8").output().unwrap();
+        let said = stdout(&output);
+        said.strip_prefix(&plain).unwrap_or_else(|| panic!("{said}\n{plain}")).to_string()
+    };
+    let picture = drawn(root(), &["why", "zebra_unsafe/stands_in_lane/tta=6s/rep=1"]);
+    assert!((5..=10).contains(&picture.lines().count()), "{picture}");
+    assert!(picture.lines().all(|line| line.chars().count() <= 76), "{picture}");
+    insta::assert_snapshot!("why_picture", picture);
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("a.scn"), drive("at 15 s", "30 s", "no collision")).unwrap();
+    assert_eq!(drawn(folder.path(), &["why", "a/drive/rep=1", "a.scn"]), "", "one that passes");
+    let json = ["why", "zebra_unsafe/stands_in_lane/tta=6s/rep=1", "--json"];
+    assert_eq!(drawn(root(), &json), "", "and none in JSON");
 }
 
 #[test]

@@ -7,6 +7,8 @@ mod hiker;
 mod retention;
 #[path = "../support/mod.rs"]
 mod support;
+#[cfg(unix)]
+mod watch_keys;
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -45,6 +47,9 @@ fn with(file: Option<&Path>, tests: &[Test]) -> Vec<Trial> {
 }
 
 fn main() -> ExitCode {
-    let tests = [bind_mount::tests(), commotions_reference::tests(), hiker::tests(), retention::tests()];
+    let mut tests =
+        vec![bind_mount::tests(), commotions_reference::tests(), hiker::tests(), retention::tests()];
+    #[cfg(unix)]
+    tests.push(watch_keys::tests());
     libtest_mimic::run(&Arguments::from_args(), tests.into_iter().flatten().collect()).exit_code()
 }

@@ -5,12 +5,13 @@ use std::process::{Command, Output};
 
 use serde_json::Value;
 
-/// Runs the program in a folder.
+/// Runs the program in a folder, for a terminal that shows ASCII alone.
 pub fn scenario_runner(folder: &Path, arguments: &[&str]) -> Output {
     Command::new(env!("CARGO_BIN_EXE_scenario-runner"))
         .args(arguments)
         .current_dir(folder)
         .env("NO_COLOR", "1")
+        .env("LC_ALL", "C")
         .output()
         .expect("the binary runs")
 }

@@ -30,16 +30,16 @@ const MOST_LISTED: usize = 30;
 /// Says which suites there are in this folder and how to run one; without any, which scenarios.
 pub fn project() -> Exit {
     writeln!(stderr(), "error: no suite or scenario is named");
-    let found =
-        ["suite", "scn"].iter().map(|kind| (kind, files_of(kind))).find(|(_, files)| !files.is_empty());
-    let Some((kind, files)) = found else {
+    let files = found_here();
+    let Some(first) = files.first() else {
         writeln!(
             stderr(),
             "help: there are none in this folder; `scenario-runner init` writes a project that runs"
         );
         return Exit::Usage;
     };
-    let what = if *kind == "suite" { "suites" } else { "scenario files" };
+    let is_suite = first.extension().is_some_and(|ending| ending == "suite");
+    let what = if is_suite { "suites" } else { "scenario files" };
     let width = files.iter().take(MOST_LISTED).map(|file| file.display().to_string().chars().count());
     let width = width.max().unwrap_or(0);
     writeln!(stderr(), "help: there are these {what} here:");
@@ -55,8 +55,13 @@ pub fn project() -> Exit {
     if files.len() > MOST_LISTED {
         writeln!(stderr(), "  and {} more", files.len() - MOST_LISTED);
     }
-    writeln!(stderr(), "help: run one of them by `scenario-runner {}`", files[0].display());
+    writeln!(stderr(), "help: run one of them by `scenario-runner {}`", first.display());
     Exit::Usage
+}
+
+/// The suites of this folder and down to two below it; if there are none, the scenarios.
+pub fn found_here() -> Vec<PathBuf> {
+    ["suite", "scn"].into_iter().map(files_of).find(|files| !files.is_empty()).unwrap_or_default()
 }
 
 /// Files of a kind in this folder and down to two below it, hidden ones and what Cargo builds left out.

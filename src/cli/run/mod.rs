@@ -1,14 +1,15 @@
 //! `scenario-runner FILES`: runs suites, reports every trial and block, writes the reports that were asked for.
 
+pub mod conduct;
 pub mod estimate_tries;
-mod hints;
+pub mod hints;
 mod listed;
 pub mod output;
 pub mod parent;
 mod partition;
 mod remember;
 mod seeds;
-mod select;
+pub mod select;
 pub mod targets;
 mod tries;
 pub mod watch;
@@ -17,27 +18,21 @@ mod wire;
 use std::collections::BTreeSet;
 use std::env;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 
-use clap::builder::PossibleValue;
 use clap::{Args, Command, ValueEnum};
 
 use super::interrupt::stop_on_interrupt;
-use super::programs::{ProgramArguments, VerifyArguments};
-use super::progress::shows_progress;
-use super::set::SetArguments;
-use super::{Exit, filter, load, measured, number, store};
+use super::{Exit, filter, load, measured, store};
 use lang::filter::Show;
-use report::console::{Output, stderr, stdout};
-use report::{Live, StatusLevel, Terminal, render_controllers, render_gates, render_ratings};
+use report::console::stderr;
 use results::{Overall, SuiteReport};
-use runner::session::{self, Selection, Session};
+use runner::session::{self, RunWatch, Selection};
 use scenario::registry::Registry;
 
+use self::conduct::{ConductArguments, ConductOrders, Conducted};
 use self::listed::{ListFormat, list};
 use self::parent::ServedByParent;
 pub use self::remember::LastRun;
-use self::seeds::TriedSeeds;
 
 #[derive(Debug, Args)]
 pub struct RunArguments {
@@ -60,40 +55,13 @@ pub struct RunArguments {
     #[arg(long, value_enum, default_value_t = NoTests::Fail)]
     no_tests: NoTests,
 
-    /// Number of threads, at most 1024 [default: one per core]. Trials and blocks run side by side; threads to spare share the runs of a
-    /// trial. Results do not depend on it.
-    #[arg(long, short = 'j', visible_alias = "jobs", value_name = "N", value_parser = number::threads())]
-    test_threads: Option<usize>,
-
-    /// Begin nothing more after so many failures (`all`: never mind). What could not be decided is no failure.
-    #[arg(long, value_name = "N|all", default_value = "all")]
-    max_fail: MaxFail,
-
-    /// Begin nothing more after the first failure: `--max-fail 1`.
-    #[arg(long, conflicts_with = "max_fail")]
-    fail_fast: bool,
-
-    /// Replaces the seed of every suite.
-    #[arg(long, value_name = "SEED")]
-    seed: Option<u64>,
-
     #[command(flatten)]
-    set: SetArguments,
-
-    #[command(flatten)]
-    programs: ProgramArguments,
+    conduct: ConductArguments,
 
     /// Whoever started this program decides for this declared controller: requests go to standard output, answers come from standard input,
     /// and what else is said goes to standard error. Its own command is not run and needs no permission.
     #[arg(long, value_name = "NAME", conflicts_with = "list")]
     serve_by_parent: Option<String>,
-
-    #[command(flatten)]
-    verify: VerifyArguments,
-
-    /// Where a search or tune that is cut off leaves its journal, from which the same command goes on.
-    #[arg(long, value_name = "DIR", default_value = store::JOURNAL)]
-    journal: PathBuf,
 
     #[command(flatten)]
     remember: remember::RememberArguments,
@@ -104,10 +72,6 @@ pub struct RunArguments {
     /// What does not count as passed, though by itself it does.
     #[arg(long, value_enum, value_name = "WHAT")]
     deny: Vec<Deny>,
-
-    /// Leave trials that a gate's baseline lacks out of the comparison, instead of refusing to judge the gate.
-    #[arg(long)]
-    baseline_lenient: bool,
 
     /// Write the course of every run as CSV into this folder.
     #[arg(long, value_name = "DIR")]
@@ -122,36 +86,6 @@ pub struct RunArguments {
     /// it again.
     #[arg(long, value_name = "PATH")]
     record_wire: Option<PathBuf>,
-
-    /// Which trials and blocks get a line of their own.
-    #[arg(long, value_enum, default_value_t = ShownLevel(StatusLevel::Pass))]
-    status_level: ShownLevel,
-
-    /// Never show what is under way; it never is in CI or where standard error is no terminal.
-    #[arg(long)]
-    no_progress: bool,
-
-    /// When to use colours.
-    #[arg(long, value_enum, default_value_t = Colour::Auto)]
-    color: Colour,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-pub enum Colour {
-    Auto,
-    Always,
-    Never,
-}
-
-impl Colour {
-    /// Whether to colour what goes to `stream`.
-    pub fn wanted(self, stream: Output) -> bool {
-        match self {
-            Self::Auto => stream.takes_colour(),
-            Self::Always => true,
-            Self::Never => false,
-        }
-    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -169,50 +103,6 @@ enum NoTests {
 enum Deny {
     /// Criteria that passed without being put to the test, of which every report warns: the exit code is 102.
     Untested,
-}
-
-/// After how many failures nothing more begins; `None` for never.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct MaxFail(Option<usize>);
-
-impl FromStr for MaxFail {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text.parse() {
-            _ if text == "all" => Ok(Self(None)),
-            Ok(number) if number > 0 => Ok(Self(Some(number))),
-            _ => Err("it is a number from 1, or `all`".to_string()),
-        }
-    }
-}
-
-/// A level, as it is called on the command line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct ShownLevel(StatusLevel);
-
-impl ValueEnum for ShownLevel {
-    fn value_variants<'a>() -> &'a [Self] {
-        use StatusLevel::{All, Dot, Fail, None, Pass, Skip, Slow};
-        &[Self(None), Self(Dot), Self(Fail), Self(Slow), Self(Pass), Self(Skip), Self(All)]
-    }
-
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        let (name, help) = match self.0 {
-            StatusLevel::None => ("none", "No lines, only failures and the summary at the end"),
-            StatusLevel::Dot => (
-                "dot",
-                "No lines, but a character each: `.` passed, `F` failed, `?` inconclusive, `E` could not be run, `T` time limit, `i` \
-                 interrupted, `s` skipped, `-` not judged",
-            ),
-            StatusLevel::Fail => ("fail", "Those that did not pass"),
-            StatusLevel::Slow => ("slow", "And, once a minute, those that take long"),
-            StatusLevel::Pass => ("pass", "And those that passed"),
-            StatusLevel::Skip => ("skip", "And those that were not run, with the reason"),
-            StatusLevel::All => ("all", "And each when it begins"),
-        };
-        Some(PossibleValue::new(name).help(help))
-    }
 }
 
 /// Runs what is named; `program` is the whole command line, whose commands somebody may have meant.
@@ -248,15 +138,16 @@ pub fn run(arguments: RunArguments, registry: &Registry, program: &Command) -> E
         );
         return Exit::Usage;
     }
-    let colour = arguments.color.wanted(stderr());
+    let colour = arguments.conduct.color.wanted(stderr());
     let expressions = match arguments.select.expressions.read(colour) {
         Ok(expressions) => expressions,
         Err(exit) => return exit,
     };
-    let project = match load::load_all(&files, arguments.seed, &arguments.set, colour, registry) {
-        Ok(project) => project,
-        Err(exit) => return exit,
-    };
+    let project =
+        match load::load_all(&files, arguments.conduct.seed, &arguments.conduct.set, colour, registry) {
+            Ok(project) => project,
+            Err(exit) => return exit,
+        };
     let suites = project.suites();
     let baselines: BTreeSet<&str> =
         suites.iter().flat_map(|suite| &suite.suite.gates).map(|gate| gate.baseline.as_str()).collect();
@@ -320,69 +211,38 @@ pub fn run(arguments: RunArguments, registry: &Registry, program: &Command) -> E
     };
     let watch = served.as_ref().map(ServedByParent::watch);
     let own = suites.iter().map(|one| &one.suite);
-    let threads = arguments.programs.threads_with(arguments.test_threads, own, record, served);
+    let conduct = &arguments.conduct;
+    let threads = conduct.programs.threads_with(conduct.test_threads, own, record, served);
     let (threads, processes) = match threads {
         Ok(threads) => threads,
         Err(exit) => return exit,
     };
     let stop = stop_on_interrupt();
     watch.into_iter().for_each(|parent| parent.end_with(&stop));
-    if let Err(exit) = store::prepare(&arguments.journal) {
+    if let Err(exit) = store::prepare(&conduct.journal) {
         return exit;
     }
     let watcher =
         arguments.trace.as_deref().map(|folder| watch::Traces::new(folder, arguments.trace_columns));
     let watch = watcher.as_ref().map(|traces| |case: &_, trace: &_| traces.save(case, trace));
-    let mut tried = TriedSeeds::read().unwrap_or_else(|error| {
-        writeln!(
-            stderr(),
-            "warning: which seeds were tried before cannot be read, and is forgotten: {error}"
-        );
-        TriedSeeds::default()
-    });
-    let mut session = Session::new(&project)
-        .executor(threads)
-        .journals(&arguments.journal)
-        .stopped_by(&stop)
-        .verify_runs(arguments.verify.runs())
-        .after_seeds(tried.earlier(suites))
-        .lenient_gates(arguments.baseline_lenient)
-        .courses(arguments.output.draw_runs())
-        .every_trial(arguments.output.need_every_trial(in_github_actions()));
-    if let Some(watch) = &watch {
-        session = session.watched_by(watch);
-    }
-    let colour = arguments.color.wanted(stdout());
-    let live = shows_progress(arguments.no_progress).then(Live::new);
-    let terminal = Terminal::new(arguments.status_level.0, colour, live);
-    let mut learning = remember::Learning { terminal, units: &units, last: &mut last };
-    let max_failures = if arguments.fail_fast { Some(1) } else { arguments.max_fail.0 };
-    let selection = Selection::marked(chosen).until_failures(max_failures);
-    let mut complaints = Vec::new();
-    let mut results = session.run_units(&units, &selection, &mut learning).unwrap_or_else(|error| {
-        complaints.push(error.to_string());
-        error.results()
-    });
-    for told in estimate_tries::note(&mut results.suites) {
-        writeln!(stderr(), "warning: {told}");
-    }
+    let orders = ConductOrders {
+        project: &project,
+        units: &units,
+        selection: Selection::marked(chosen).until_failures(conduct.max_failures()),
+        threads,
+        stop: &stop,
+        watch: watch.as_ref().map(|watch| watch as &RunWatch),
+        courses: arguments.output.draw_runs(),
+        every_trial: arguments.output.need_every_trial(in_github_actions()),
+        is_repeated: false,
+    };
+    let Conducted { results, mut complaints, notices } = conduct.conduct(orders, &mut last);
     let reports = &results.suites;
-    stdout().styled(&render_controllers(reports, colour));
-    stdout().styled(&render_ratings(reports, colour));
-    stdout().styled(&render_gates(reports, colour));
     complaints.extend(watcher.as_ref().map(watch::Traces::finish).unwrap_or_default());
     complaints.extend(output::write(&arguments.output, &results, in_github_actions()));
     complaints.extend(wire::write(arguments.record_wire.as_deref(), processes.as_deref()));
     complaints.extend(remember::failures(&arguments.remember, suites, reports, &results.requests));
-    last.learn_gates(reports);
-    tried.learn(reports);
-    if let Err(error) = tried.write() {
-        writeln!(stderr(), "warning: cannot remember which seeds were tried: {error}");
-    }
-    if let Err(error) = last.write() {
-        writeln!(stderr(), "warning: cannot remember what failed: {error}");
-    }
-    for notice in session.notices() {
+    for notice in &notices {
         writeln!(stderr(), "note: {notice}");
     }
     for complaint in &complaints {

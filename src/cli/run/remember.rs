@@ -19,6 +19,7 @@ use results::{
 use runner::corpus::{case_hash, corpus_path, is_unchecked, record, write_corpus};
 use runner::plan::{Plan, PlannedTrial};
 use runner::project::PlannedSuite;
+use runner::run::Stop;
 use runner::session::{Units, Work, gate_key};
 use scenario::{Gate, Rating, Suite};
 
@@ -131,10 +132,16 @@ pub struct Learning<'l, 'a> {
     pub terminal: Terminal,
     pub units: &'l Units<'a>,
     pub last: &'l mut LastRun,
+    /// Who stops what is then run again from the beginning: nobody has to be told of that, and what was stopped has not failed.
+    pub repeated: Option<&'l Stop>,
 }
 
 impl Reporter for Learning<'_, '_> {
     fn tell(&mut self, event: &Event) {
+        if self.repeated.is_some_and(Stop::is_requested) {
+            self.terminal.give_up();
+            return;
+        }
         self.terminal.tell(event);
         if let Event::Finished { unit, suite, report } = event {
             let planned = || match self.units.get(*unit).work {
@@ -146,6 +153,9 @@ impl Reporter for Learning<'_, '_> {
     }
 
     fn flush(&mut self) {
+        if self.repeated.is_some_and(Stop::is_requested) {
+            return;
+        }
         self.terminal.flush();
     }
 }

@@ -19,4 +19,5 @@ pub use picture::Sketch;
 pub(crate) use plane::Mark;
 pub(crate) use road::{beside, stop_lines, world_marks};
 pub use sketch::AfterTheEnd;
+pub(crate) use sketch::moment_text;
 pub(crate) use view::view;

@@ -128,6 +128,14 @@ impl Sketch {
     }
 }
 
+/// Everybody at a moment (s) of a run, or at its end if that is before, as lines of text that are no wider than so many columns and no higher
+/// than so many rows where that is possible, with who they are in the last.
+pub(crate) fn moment_text(case: &Case, trace: &Trace, time: f64, columns: usize, rows: usize) -> Vec<String> {
+    let sketch =
+        Sketch::of_moments(case, trace, &[time.min(end_of(trace))]).expect("it is not after the end");
+    text_sketch::moment(&sketch, &case.world, columns, rows)
+}
+
 fn arrows(world: &World, frame: &Frame, (from, to): (f64, f64)) -> Vec<(Vector2<f64>, Vector2<f64>)> {
     let mut arrows = Vec::new();
     let roads: Vec<&Road> = world.roads().collect();

@@ -35,6 +35,18 @@ pub(crate) fn to_text(sketch: &Sketch, world: &World, columns: usize, rows: usiz
     text
 }
 
+/// The only picture of a sketch and who is who, without empty rows around it.
+pub(super) fn moment(sketch: &Sketch, world: &World, columns: usize, rows: usize) -> Vec<String> {
+    let picture = &sketch.pictures[0];
+    let text = draw(sketch, world, picture, columns, rows).to_text();
+    let mut lines: Vec<String> = text.lines().map(str::to_string).collect();
+    let is_drawn = |line: &String| !line.is_empty();
+    lines.truncate(lines.iter().rposition(is_drawn).map_or(0, |last| last + 1));
+    lines.drain(..lines.iter().position(is_drawn).unwrap_or(0));
+    lines.extend(wrapped(&legend(world, picture, &sketch.frame), columns));
+    lines
+}
+
 /// As many words of a line as fit, and the rest below.
 fn wrapped(line: &str, columns: usize) -> Vec<String> {
     let indent: String = line.chars().take_while(|one| *one == ' ').collect();

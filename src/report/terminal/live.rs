@@ -4,9 +4,11 @@ use std::time::Duration;
 
 use indicatif::{HumanCount, ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use super::progress::{Running, Tally, TimeLeft};
+use super::progress::{Running, Tally};
 use super::status;
+use super::time_left::TimeLeft;
 use crate::chart::shortened;
+use crate::console::takes_blocks;
 use crate::format::count;
 use files::escape::terminal_line;
 
@@ -82,7 +84,9 @@ pub(super) fn panel<'r>(
     for (index, one) in running.into_iter().enumerate() {
         if index < MOST_SHOWN {
             let key = shortened(&terminal_line(&one.key), WIDEST_KEY);
-            text += &format!("\n{:>12} {} {key}{}", "", status::seconds(one.begun.elapsed()), one.progress());
+            let course = if takes_blocks() { one.course() } else { String::new() };
+            let time = status::seconds(one.begun.elapsed());
+            text += &format!("\n{:>12} {time} {key}{}{course}", "", one.progress());
         } else {
             more += 1;
         }
@@ -110,11 +114,12 @@ mod tests {
             left_out: 0,
         };
         let mut tally = Tally { outline, units_done: 1, failures: 1, ..Tally::default() };
-        (1..=10).for_each(|run| tally.run_done(Duration::from_millis(300 * run)));
         let mut search = Running::new("zebra/search=low_pet", 0);
         search.evaluations = Some(Evaluations { done: 12, all: 48, best: Some(1.25), within: None });
         let mut trial = Running::new("zebra/scripted/tta=6s", 20);
-        trial.runs_done = 9;
+        tally.begun = 2;
+        (1..=9).for_each(|run| tally.run_done(Some(&mut trial), Duration::from_millis(300 * run)));
+        tally.run_done(None, Duration::from_millis(3000));
         let text = panel(&tally, [trial, search].iter(), Duration::from_secs(3));
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(
@@ -122,6 +127,6 @@ mod tests {
             "     Running [   3.000s] [======                  ] 1 of 4 units, 10 of 40 runs, 1 failed, more than 9 seconds left"
         );
         assert!(lines[1].ends_with("zebra/scripted/tta=6s: 9 of 20 runs"), "{text}");
-        assert!(lines[2].ends_with("zebra/search=low_pet: 12 of 48 evaluations, best 1.25"), "{text}");
+        assert!(lines[2].contains("zebra/search=low_pet: 12 of 48 evaluations, best 1.25"), "{text}");
     }
 }

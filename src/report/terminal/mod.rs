@@ -1,10 +1,13 @@
 //! What the terminal shows: a line per unit, failures when they happen, tables and a summary at the end.
 
+mod costs;
 mod lines;
 mod live;
 mod progress;
+mod sparkline;
 mod status;
 mod summary;
+mod time_left;
 
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
@@ -89,6 +92,15 @@ impl Terminal {
         self.write();
     }
 
+    /// Draws nothing more of what is under way, and tells nothing of how it ends.
+    pub fn give_up(&mut self) {
+        if let Some(live) = self.live.take() {
+            live.clear();
+        }
+        self.lines.end_row();
+        self.write();
+    }
+
     fn begin(&mut self, outline: &Workload) {
         self.begun = Instant::now();
         self.tally.outline = outline.clone();
@@ -100,7 +112,9 @@ impl Terminal {
     }
 
     fn finish(&mut self, unit: usize, suite: &SuiteIdentity, report: &UnitReport) {
-        self.running.remove(&unit);
+        if let Some(running) = self.running.remove(&unit) {
+            self.tally.over(&running, self.begun.elapsed());
+        }
         self.tally.finish(report);
         let standing = report.standing();
         self.tally.failures += usize::from(standing.is_failure());
@@ -197,13 +211,12 @@ impl Reporter for Terminal {
                     let line = status::line("BEGIN", Style::new(), None, key, self.lines.colour);
                     self.lines.say(&line);
                 }
+                // Blocks have no runs of their own.
+                self.tally.begun += usize::from(*runs > 0);
                 self.running.insert(*unit, Running::new(key, *runs));
             }
             Event::RunDone { unit } => {
-                self.tally.run_done(self.begun.elapsed());
-                if let Some(running) = self.running.get_mut(unit) {
-                    running.runs_done += 1;
-                }
+                self.tally.run_done(self.running.get_mut(unit), self.begun.elapsed());
             }
             Event::Evaluated { unit, evaluations } => {
                 if let Some(running) = self.running.get_mut(unit) {

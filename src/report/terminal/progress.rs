@@ -2,8 +2,9 @@
 
 use std::time::{Duration, Instant};
 
-use indicatif::HumanDuration;
-
+use super::costs::Costs;
+use super::sparkline::sparkline;
+use super::time_left::TimeLeft;
 use results::{Evaluations, UnitReport, Workload};
 
 /// What there is to do and what is done.
@@ -15,15 +16,27 @@ pub(super) struct Tally {
     pub failures: usize,
     /// Blocks that are over.
     pub blocks_done: usize,
-    /// How fast runs come.
-    pub pace: Pace,
+    /// Trials and runs that failed before that have begun.
+    pub begun: usize,
+    /// What runs cost.
+    pub costs: Costs,
 }
 
 impl Tally {
-    /// One more run is done.
-    pub fn run_done(&mut self, elapsed: Duration) {
+    /// One more run is done, of a unit that is under way.
+    pub fn run_done(&mut self, unit: Option<&mut Running>, elapsed: Duration) {
         self.runs_done += 1;
-        self.pace.note(elapsed, self.runs_done);
+        let cost = self.costs.run_done(elapsed);
+        if let Some(unit) = unit {
+            unit.run_done(cost);
+        }
+    }
+
+    /// A unit is no more under way.
+    pub fn over(&mut self, unit: &Running, elapsed: Duration) {
+        if let Some(cost) = unit.cost() {
+            self.costs.trial_over(elapsed, cost);
+        }
     }
 
     /// A unit is over: what it did not take of its runs will not come any more.
@@ -54,17 +67,53 @@ impl Tally {
         let Workload { runs, certain_runs, blocks, .. } = self.outline;
         let blocks_left = blocks - self.blocks_done.min(blocks);
         let left = (certain_runs.saturating_sub(self.runs_done), runs.saturating_sub(self.runs_done));
+        let running: Vec<&Running> = running.collect();
         let mut parts: Vec<TimeLeft> = Vec::new();
         if left.1 > 0 {
-            parts.push(self.pace.left(elapsed, left)?);
+            parts.push(self.runs_left(&running, elapsed, left)?);
         }
-        let blocks: Vec<TimeLeft> = running.filter_map(|one| one.left(one.begun.elapsed())).collect();
+        let blocks: Vec<TimeLeft> = running.iter().filter_map(|one| one.left(one.begun.elapsed())).collect();
         // Of a block that has not begun, or of which nothing is known yet, nobody knows how long it takes.
         let is_known = blocks.len() >= blocks_left;
         parts.extend(blocks);
         let least = parts.iter().map(|one| one.least).max_by(f64::total_cmp)?;
         let most = parts.iter().map(|one| one.most).reduce(|one, other| Some(one?.max(other?)))?;
         Some(TimeLeft { least, most: most.filter(|_| is_known) })
+    }
+
+    /// How long `left` runs take, at least and at most: those of trials under way at what their runs cost, those of others at what trials cost
+    /// so far.
+    fn runs_left(
+        &self,
+        running: &[&Running],
+        elapsed: Duration,
+        (least, most): (usize, usize),
+    ) -> Option<TimeLeft> {
+        if self.runs_done == 0 || elapsed.as_secs_f64() < PATIENCE {
+            return None;
+        }
+        let known: Vec<(usize, f64)> = running
+            .iter()
+            .filter_map(|one| Some((one.runs.saturating_sub(one.runs_done), one.cost()?)))
+            .collect();
+        let known_runs: usize = known.iter().map(|(runs, _)| runs).sum();
+        let known_time: f64 = known.iter().map(|(runs, cost)| *runs as f64 * cost).sum();
+        let trials = (self.outline.trials + self.outline.recorded).saturating_sub(self.begun)
+            + running.iter().filter(|one| one.runs > 0 && one.cost().is_none()).count();
+        let costs: Vec<f64> = known.iter().map(|(_, cost)| *cost).collect();
+        // Where it is open how many there are, it may be those under way that end.
+        let open = most.saturating_sub(least);
+        let (certain, possible) = (known_runs.saturating_sub(open), most.saturating_sub(known_runs));
+        let own = TimeLeft {
+            least: known_time * certain as f64 / known_runs.max(1) as f64,
+            most: Some(known_time),
+        };
+        if possible == 0 {
+            return Some(own);
+        }
+        let others = least.saturating_sub(known_runs).min(possible);
+        let unbegun = self.costs.unbegun(elapsed, &costs, trials, (others, possible));
+        Some(TimeLeft { least: own.least + unbegun.least, most: unbegun.most.map(|most| known_time + most) })
     }
 }
 
@@ -76,10 +125,14 @@ pub(super) struct Running {
     pub runs: usize,
     pub runs_done: usize,
     pub evaluations: Option<Evaluations>,
+    /// The best value after each evaluation; of many, after every second one, and so on.
+    best: Vec<f64>,
     /// How often it was called slow.
     pub slow: u32,
-    /// How fast evaluations come.
+    /// How fast evaluations come, or runs in the time that was counted towards it.
     pace: Pace,
+    /// That time, s.
+    spent: f64,
 }
 
 impl Running {
@@ -91,14 +144,32 @@ impl Running {
             runs,
             runs_done: 0,
             evaluations: None,
+            best: Vec::new(),
             slow: 0,
             pace: Pace::default(),
+            spent: 0.0,
         }
+    }
+
+    /// One more run is done, at this cost, s.
+    fn run_done(&mut self, cost: f64) {
+        self.runs_done += 1;
+        self.spent += cost;
+        self.pace.note(Duration::from_secs_f64(self.spent), self.runs_done);
+    }
+
+    /// What a run of it costs, if one is done, s.
+    fn cost(&self) -> Option<f64> {
+        (self.runs_done > 0).then(|| self.pace.cost(self.spent, self.runs_done))
     }
 
     /// A block has got further, so long after it began.
     pub fn evaluated(&mut self, evaluations: Evaluations, elapsed: Duration) {
         self.pace.note(elapsed, evaluations.done);
+        self.best.extend(evaluations.best);
+        if self.best.len() > 2 * NOTES {
+            self.best = self.best.iter().skip(1).step_by(2).copied().collect();
+        }
         self.evaluations = Some(evaluations);
     }
 
@@ -106,6 +177,12 @@ impl Running {
     fn left(&self, elapsed: Duration) -> Option<TimeLeft> {
         let Evaluations { done, all, .. } = self.evaluations?;
         self.pace.between(elapsed, all.saturating_sub(done))
+    }
+
+    /// How its best value went, or its estimate, to be appended; nothing while there is nothing to see.
+    pub fn course(&self) -> String {
+        let line = sparkline(&self.best, COURSE);
+        if line.is_empty() { line } else { format!(" {line}") }
     }
 
     /// How far it is, to be appended to its key.
@@ -126,28 +203,6 @@ impl Running {
     }
 }
 
-/// How long something still takes, s.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct TimeLeft {
-    pub least: f64,
-    /// `None` where nobody knows.
-    pub most: Option<f64>,
-}
-
-impl TimeLeft {
-    /// To be appended: `, 9 seconds left`, `, 2 minutes to 5 minutes left`.
-    pub fn in_words(self) -> String {
-        let words =
-            |seconds: f64| HumanDuration(Duration::from_secs_f64(seconds.clamp(0.0, 1e9))).to_string();
-        let least = words(self.least);
-        match self.most.map(words) {
-            None => format!(", more than {least} left"),
-            Some(most) if most == least => format!(", {least} left"),
-            Some(most) => format!(", {least} to {most} left"),
-        }
-    }
-}
-
 /// When how much was done: how fast it goes. It knows no clock.
 #[derive(Debug, Default)]
 pub(super) struct Pace {
@@ -157,6 +212,8 @@ pub(super) struct Pace {
 
 /// So many notes are kept: of more, every second one.
 const NOTES: usize = 256;
+/// Columns of how a best value went.
+const COURSE: usize = 12;
 /// Nothing is said of what is left before, s.
 const PATIENCE: f64 = 1.0;
 /// So much has to be done of late before the pace is that of late alone.
@@ -196,10 +253,14 @@ impl Pace {
         if done == 0 || elapsed < PATIENCE {
             return None;
         }
+        Some(self.rates_of(elapsed, done))
+    }
+
+    fn rates_of(&self, elapsed: f64, done: usize) -> Rates {
         let before = self.notes.partition_point(|(time, _)| *time <= elapsed / 2.0);
         let (from, done_then) = before.checked_sub(1).map_or((0.0, 0), |note| self.notes[note]);
         let late_done = done.saturating_sub(done_then);
-        Some(Rates { whole: done as f64 / elapsed, late: late_done as f64 / (elapsed - from), late_done })
+        Rates { whole: done as f64 / elapsed, late: late_done as f64 / (elapsed - from), late_done }
     }
 
     /// What was done at the last note.
@@ -207,12 +268,11 @@ impl Pace {
         self.notes.last().map_or(0, |(_, done)| *done)
     }
 
-    /// How long it takes until at least and at most so much `left` is done, at the pace of late: what came before, such as starting
-    /// programs or warming up, does not come again.
-    pub fn left(&self, elapsed: Duration, (least, most): (usize, usize)) -> Option<TimeLeft> {
-        let Rates { whole, late, late_done } = self.rates(elapsed, self.done())?;
-        let pace = if late_done >= ENOUGH { late } else { whole };
-        (most > 0).then(|| TimeLeft { least: least as f64 / pace, most: Some(most as f64 / pace) })
+    /// What one costs of late, where enough was done of late, s: what came before, such as starting programs or warming up, does not come
+    /// again. `done` were done in `spent` s.
+    fn cost(&self, spent: f64, done: usize) -> f64 {
+        let Rates { whole, late, late_done } = self.rates_of(spent, done);
+        1.0 / if late_done >= ENOUGH { late } else { whole }
     }
 
     /// How long it takes until so much `left` is done, between the pace of all the time and that of late.
@@ -227,83 +287,169 @@ impl Pace {
 mod tests {
     use super::*;
 
-    /// Units that take so long each (s), one after the other; what is left is asked after the first `asked` s. With what it took in truth.
-    fn asked(units: &[f64], asked: f64) -> (Option<TimeLeft>, f64) {
-        let (mut pace, mut time, mut done) = (Pace::default(), 0.0, 0);
-        for unit in units {
-            if time + unit > asked {
-                break;
+    /// Trials of runs that take so long each (s), one after the other; what is left is asked after the first `asked` s. With what it took in
+    /// truth.
+    fn asked(trials: &[Vec<f64>], asked: f64) -> (Option<TimeLeft>, f64) {
+        let runs = trials.iter().map(Vec::len).sum();
+        let outline = Workload { trials: trials.len(), runs, certain_runs: runs, ..Workload::default() };
+        let mut tally = Tally { outline, ..Tally::default() };
+        let (mut time, mut under_way) = (0.0, None);
+        'all: for runs in trials {
+            tally.begun += 1;
+            let mut running = Running::new("a", runs.len());
+            for run in runs {
+                if time + run > asked {
+                    under_way = Some(running);
+                    break 'all;
+                }
+                time += run;
+                tally.run_done(Some(&mut running), Duration::from_secs_f64(time));
             }
-            time += unit;
-            done += 1;
-            pace.note(Duration::from_secs_f64(time), done);
+            tally.over(&running, Duration::from_secs_f64(time));
         }
-        let left = units.len() - done;
-        (pace.left(Duration::from_secs_f64(asked), (left, left)), units.iter().sum::<f64>() - asked)
+        let said = tally.left(under_way.iter(), Duration::from_secs_f64(asked));
+        (said, trials.iter().flatten().sum::<f64>() - asked)
     }
 
-    fn is_right(units: &[f64], at: f64) {
-        let (said, truth) = asked(units, at);
+    /// One time, within 30 % of the truth.
+    fn is_right(trials: &[Vec<f64>], at: f64) {
+        let (said, truth) = asked(trials, at);
         let said = said.expect("something is said");
-        assert_eq!(Some(said.least), said.most, "of a fixed number it is one time");
-        let error = (said.least - truth).abs() / truth;
-        assert!(error < 0.3, "at {at} s: {} s, in truth {truth} s", said.least);
+        assert!(said.is_one(), "at {at} s: {said:?}, in truth {truth} s");
+        let error = (said.middle() - truth).abs() / truth;
+        assert!(error < 0.3, "at {at} s: {said:?}, in truth {truth} s");
+    }
+
+    /// A range, or what it takes at least, with the truth in it.
+    fn holds(trials: &[Vec<f64>], at: f64) {
+        let (said, truth) = asked(trials, at);
+        let said = said.expect("something is said");
+        let holds = said.least <= truth && said.most.is_none_or(|most| most >= truth);
+        assert!(holds, "at {at} s: {said:?}, in truth {truth} s");
+    }
+
+    fn of_one_trial(runs: Vec<f64>) -> Vec<Vec<f64>> {
+        vec![runs]
     }
 
     #[test]
     fn a_steady_pace_is_found() {
-        let units = vec![0.05; 2000];
+        let trials = of_one_trial(vec![0.05; 2000]);
         for at in [2.0, 10.0, 50.0, 90.0] {
-            is_right(&units, at);
+            is_right(&trials, at);
         }
-        // Slow units, few of which are done after ten seconds.
-        is_right(&[3.0; 40], 10.0);
+        // Slow ones, few of which are done after ten seconds.
+        is_right(&of_one_trial(vec![3.0; 40]), 10.0);
+        // Many trials of one run.
+        let trials = vec![vec![0.05]; 2000];
+        for at in [2.0, 10.0, 50.0, 90.0] {
+            is_right(&trials, at);
+        }
     }
 
     /// Six seconds pass before the first run is done.
     #[test]
     fn a_slow_start_is_forgotten() {
-        let units: Vec<f64> = [6.0].into_iter().chain(vec![0.02; 3000]).collect();
+        let trials = of_one_trial([6.0].into_iter().chain(vec![0.02; 3000]).collect());
         for at in [13.0, 20.0, 40.0, 60.0] {
-            is_right(&units, at);
+            is_right(&trials, at);
         }
-        let (said, truth) = asked(&units, 8.0);
+        let (said, truth) = asked(&trials, 8.0);
         assert!(said.unwrap().least > truth, "until then it is thought to take longer, not shorter");
     }
 
     #[test]
-    fn uneven_units_are_taken_together() {
-        let units: Vec<f64> = (0..4000).map(|unit| if unit % 7 == 0 { 0.1 } else { 0.005 }).collect();
+    fn uneven_runs_are_taken_together() {
+        let uneven: Vec<f64> = (0..4000).map(|unit| if unit % 7 == 0 { 0.1 } else { 0.005 }).collect();
         for at in [10.0, 30.0, 50.0] {
-            is_right(&units, at);
+            is_right(&of_one_trial(uneven.clone()), at);
+            is_right(&uneven.iter().map(|run| vec![*run]).collect::<Vec<_>>(), at);
         }
-        // Units that become dearer: what is said follows.
-        let units: Vec<f64> = vec![0.01; 1000].into_iter().chain(vec![0.05; 1500]).collect();
+        // Runs that become dearer: what is said follows.
+        let dearer: Vec<f64> = vec![0.01; 1000].into_iter().chain(vec![0.05; 1500]).collect();
         for at in [35.0, 60.0] {
-            is_right(&units, at);
+            is_right(&of_one_trial(dearer.clone()), at);
+            is_right(&dearer.iter().map(|run| vec![*run]).collect::<Vec<_>>(), at);
+        }
+    }
+
+    /// Six trials of very different cost, in any order: what is not known is not said as if it were.
+    #[test]
+    fn trials_that_have_yet_to_begin_may_cost_something_else() {
+        let costs = [0.01, 0.02, 0.05, 0.3, 0.1, 0.002];
+        for turn in 0..6 {
+            for is_backwards in [false, true] {
+                let mut costs = costs;
+                costs.rotate_left(turn);
+                if is_backwards {
+                    costs.reverse();
+                }
+                let trials: Vec<Vec<f64>> = costs.iter().map(|cost| vec![*cost; 60]).collect();
+                let all: f64 = trials.iter().flatten().sum();
+                let (first, last) = (60.0 * costs[0], all - 60.0 * costs[5]);
+                // In the first trial nothing is known of the others; in the last one everything.
+                let (said, truth) = asked(&trials, 1.1_f64.max(0.5 * first));
+                let said = said.unwrap();
+                if first > 2.2 {
+                    assert!(said.most.is_none() && said.least <= truth, "{said:?} {truth}");
+                }
+                if 60.0 * costs[5] > 2.0 {
+                    is_right(&trials, last + 30.0 * costs[5]);
+                }
+            }
+        }
+        // Dearer ones come last, as they were measured; then two kinds, the first of them three times.
+        let dearer: Vec<Vec<f64>> =
+            [0.0017, 0.003, 0.0019, 0.0044, 0.0065, 0.0095].iter().map(|cost| vec![*cost; 1000]).collect();
+        let kinds: Vec<Vec<f64>> =
+            [0.0017, 0.02, 0.0019, 0.018, 0.002, 0.022].iter().map(|cost| vec![*cost; 500]).collect();
+        for (trials, times) in [(&dearer, [2.0, 4.0, 6.0, 10.0]), (&kinds, [2.0, 9.0, 11.0, 12.0])] {
+            for at in times {
+                holds(trials, at);
+                let (said, _) = asked(trials, at);
+                assert!(!said.unwrap().is_one(), "{said:?}");
+            }
+        }
+    }
+
+    /// Of many trials that scatter the sum is known well, though none of them is.
+    #[test]
+    fn many_trials_that_scatter_come_to_one_time() {
+        let costs = (0..400).map(|trial| 0.002 + 0.01 * f64::from((trial * 7919) % 100) / 100.0);
+        let trials: Vec<Vec<f64>> = costs.map(|cost| vec![cost; 20]).collect();
+        for at in [10.0, 20.0, 40.0] {
+            is_right(&trials, at);
+            holds(&trials, at);
         }
     }
 
     #[test]
     fn what_is_left_is_not_guessed_from_nothing() {
-        let pace = Pace::default();
-        assert_eq!(pace.left(Duration::from_secs(9), (10, 10)), None);
-        let mut pace = Pace::default();
-        pace.note(Duration::from_millis(20), 5);
-        assert_eq!(pace.left(Duration::from_millis(20), (5, 5)), None, "too early");
-        assert_eq!(pace.left(Duration::from_secs(9), (0, 0)), None, "nothing is left");
-        assert!(pace.left(Duration::from_secs(9), (5, 5)).is_some());
+        let outline = |runs, certain_runs| Workload { trials: 1, runs, certain_runs, ..Workload::default() };
+        let mut tally = Tally { outline: outline(15, 15), begun: 1, ..Tally::default() };
+        let mut running = Running::new("a", 15);
+        assert_eq!(tally.left([&running].into_iter(), Duration::from_secs(9)), None);
+        (1..=5).for_each(|run| tally.run_done(Some(&mut running), Duration::from_millis(4 * run)));
+        assert_eq!(tally.left([&running].into_iter(), Duration::from_millis(20)), None, "too early");
+        assert!(tally.left([&running].into_iter(), Duration::from_secs(9)).is_some());
+        tally.outline = outline(5, 5);
+        assert_eq!(tally.left([&running].into_iter(), Duration::from_secs(9)), None, "nothing is left");
     }
 
     #[test]
     fn an_open_number_of_runs_takes_between_two_times() {
-        let mut pace = Pace::default();
-        (1..=100).for_each(|done| pace.note(Duration::from_millis(100 * done), done as usize));
-        let said = pace.left(Duration::from_secs(10), (20, 300)).unwrap();
+        let left = |runs, certain_runs| {
+            let outline = Workload { trials: 1, runs, certain_runs, ..Workload::default() };
+            let mut tally = Tally { outline, begun: 1, ..Tally::default() };
+            let mut running = Running::new("a", runs);
+            (1..=100).for_each(|run| tally.run_done(Some(&mut running), Duration::from_millis(100 * run)));
+            tally.left([&running].into_iter(), Duration::from_secs(10)).unwrap()
+        };
+        let said = left(400, 120);
         assert!((said.least - 2.0).abs() < 0.1 && (said.most.unwrap() - 30.0).abs() < 1.0, "{said:?}");
         assert_eq!(said.in_words(), ", 2 seconds to 30 seconds left");
         // Those that there are for certain may all be done.
-        assert_eq!(pace.left(Duration::from_secs(10), (0, 300)).unwrap().least, 0.0);
+        assert_eq!(left(400, 90).least, 0.0);
     }
 
     /// Later evaluations of a search take longer: what is left lies between both paces, and beyond where nothing comes any more.
@@ -327,7 +473,6 @@ mod tests {
         let mut pace = Pace::default();
         (1..=1_000_000_usize).for_each(|done| pace.note(Duration::from_micros(100 * done as u64), done));
         assert!(pace.notes.len() <= 2 * NOTES, "{}", pace.notes.len());
-        let said = pace.left(Duration::from_secs(100), (10_000, 10_000)).unwrap();
-        assert!((said.least - 1.0).abs() < 0.05, "{said:?}");
+        assert!((pace.cost(100.0, 1_000_000) * 10_000.0 - 1.0).abs() < 0.05);
     }
 }

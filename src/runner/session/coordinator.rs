@@ -25,6 +25,8 @@ use results::{Event, Reporter, Stopping, SuiteReport, UnitReport, Workload};
 pub struct Orders<'o> {
     /// Whether each unit is to run; see [`super::with_needs`].
     pub chosen: &'o [bool],
+    /// Whether each unit begins before those that do not; may be shorter.
+    pub first: &'o [bool],
     /// After so many failures nothing more begins.
     pub max_failures: Option<usize>,
     /// Whether every trial is held in the reports; gates hold those of their suites all the same.
@@ -179,7 +181,8 @@ impl<'c, 'a> Coordinator<'c, 'a> {
         for (unit, _) in orders.chosen.iter().enumerate().filter(|(_, chosen)| **chosen) {
             units.needs(unit).iter().for_each(|need| needed[*need] = true);
         }
-        let schedule = UnitSchedule::new(|unit| units.needs(unit), orders.chosen);
+        let needs = |unit| units.needs(unit);
+        let schedule = UnitSchedule::new(needs, orders.chosen).first(needs, orders.first);
         let kept = HashMap::new();
         let state = State { schedule, running: false, failures: 0, kept, panicked: None };
         let (max_failures, state) = (orders.max_failures, Mutex::new(state));

@@ -175,6 +175,7 @@ impl<'a> Session<'a> {
         }
         let orders = Orders {
             chosen: &chosen,
+            first: &selection.first,
             max_failures: selection.max_failures,
             every_trial: self.every_trial || self.courses,
             memory: is_sequential.then_some(&memory),

@@ -2,11 +2,20 @@
 
 use std::collections::{BTreeSet, HashMap};
 
+/// Who begins before others that could begin as well.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+enum Turn {
+    First,
+    Later,
+}
+
 /// The units that are still to run.
 #[derive(Debug)]
 pub struct UnitSchedule {
-    /// Units that could begin now.
-    ready: BTreeSet<usize>,
+    /// Units that could begin now: those that come first, then the others, each in their order.
+    ready: BTreeSet<(Turn, usize)>,
+    /// Whether each unit comes before those that do not; empty if none does.
+    first: Vec<bool>,
     /// How many needs of each unit are unfinished; `None` for one that has left the schedule.
     outstanding: Vec<Option<u32>>,
     /// Who waits for a unit.
@@ -20,6 +29,7 @@ impl UnitSchedule {
     pub fn new<'n>(needs: impl Fn(usize) -> &'n [usize], chosen: &[bool]) -> Self {
         let mut schedule = Self {
             ready: BTreeSet::new(),
+            first: Vec::new(),
             outstanding: vec![None; chosen.len()],
             waiting: HashMap::new(),
             running: 0,
@@ -29,20 +39,36 @@ impl UnitSchedule {
             schedule.outstanding[index] = Some(needs.len() as u32);
             needs.iter().for_each(|need| schedule.waiting.entry(*need).or_default().push(index));
             if needs.is_empty() {
-                schedule.ready.insert(index);
+                schedule.ready.insert((Turn::Later, index));
             }
         }
         schedule
     }
 
+    /// Those of `first` begin before the others, and so does what they need.
+    pub fn first<'n>(mut self, needs: impl Fn(usize) -> &'n [usize], first: &[bool]) -> Self {
+        self.first = first.to_vec();
+        // Needs come before those who need them.
+        for index in (0..self.first.len()).rev().filter(|index| first[*index]) {
+            needs(index).iter().for_each(|need| self.first[*need] = true);
+        }
+        let ready = std::mem::take(&mut self.ready);
+        self.ready = ready.into_iter().map(|(_, unit)| (self.turn(unit), unit)).collect();
+        self
+    }
+
+    fn turn(&self, unit: usize) -> Turn {
+        if self.first.get(unit).is_some_and(|first| *first) { Turn::First } else { Turn::Later }
+    }
+
     /// The unit that is to begin next, if one can.
     pub fn next(&self) -> Option<usize> {
-        self.ready.first().copied()
+        self.ready.first().map(|(_, unit)| *unit)
     }
 
     /// Takes the unit that is to begin next, if one can.
     pub fn begin(&mut self) -> Option<usize> {
-        let unit = self.ready.pop_first()?;
+        let (_, unit) = self.ready.pop_first()?;
         self.outstanding[unit] = None;
         self.running += 1;
         Some(unit)
@@ -67,7 +93,8 @@ impl UnitSchedule {
             }
             *outstanding -= 1;
             if *outstanding == 0 {
-                self.ready.insert(waiting);
+                let turn = self.turn(waiting);
+                self.ready.insert((turn, waiting));
             }
         }
         while let Some((waiting, need)) = missing.pop() {
@@ -114,6 +141,26 @@ mod tests {
         assert_eq!(begun(&mut schedule), [4]);
         schedule.end(4, true);
         assert!(schedule.is_over());
+    }
+
+    #[test]
+    fn what_comes_first_begins_before_what_could_begin_as_well() {
+        let order = |first: [bool; 5]| {
+            let needs = |unit: usize| NEEDS[unit];
+            let mut schedule = UnitSchedule::new(needs, &[true; 5]).first(needs, &first);
+            let mut order = Vec::new();
+            while let Some(next) = schedule.next() {
+                assert_eq!(schedule.begin(), Some(next));
+                order.push(next);
+                schedule.end(next, true);
+            }
+            assert!(schedule.is_over());
+            order
+        };
+        assert_eq!(order([false; 5]), [0, 1, 2, 3, 4]);
+        assert_eq!(order([false, true, true, false, false]), [1, 2, 0, 3, 4]);
+        assert_eq!(order([false, false, true, false, true]), [0, 1, 2, 3, 4], "with what it needs");
+        assert_eq!(order([false, false, false, true, false]), [0, 1, 3, 2, 4]);
     }
 
     #[test]

@@ -6,6 +6,7 @@ use super::unit::{Units, with_needs};
 #[derive(Debug, Clone)]
 pub struct Selection {
     wanted: Wanted,
+    pub(super) first: Vec<bool>,
     pub(super) max_failures: Option<usize>,
 }
 
@@ -39,12 +40,18 @@ impl Selection {
     }
 
     fn of(wanted: Wanted) -> Self {
-        Self { wanted, max_failures: None }
+        Self { wanted, first: Vec::new(), max_failures: None }
     }
 
     /// After so many failures nothing more begins; `None`: whatever fails.
     pub fn until_failures(self, most: Option<usize>) -> Self {
         Self { max_failures: most, ..self }
+    }
+
+    /// Those for which there is `true`, in the order of [`units`](super::units), begin before the others, with what they need. What comes of
+    /// units does not depend on it, but which of them are run does, if failures end the session.
+    pub fn first(self, marks: Vec<bool>) -> Self {
+        Self { first: marks, ..self }
     }
 
     /// Whether each unit is to run.
