@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::source::Span;
-use super::symbols::Families;
+use super::symbols::ScenarioFamilies;
 use super::syntax::Node;
 use super::syntax::ast::{self, View};
 use super::texts::{Texts, bind};
@@ -33,7 +33,7 @@ pub fn hints(path: &Path, text: &str, registry: &Registry, texts: &dyn Files) ->
         // In YAML a value is a part of a text with words around it.
         return Vec::new();
     }
-    let families = Families::of(&files, &mut Default::default());
+    let families = ScenarioFamilies::of(&files, &mut Default::default());
     let mut found = Vec::new();
     let whole = files.scope(file);
     let mut parts: Vec<Node> = tree.root().children().collect();

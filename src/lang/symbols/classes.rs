@@ -66,20 +66,20 @@ impl SymbolKind {
 }
 
 /// A definition, by its place among all.
-pub type Definition = usize;
+pub type DefinitionIndex = usize;
 
 /// Every definition, and which are of one thing.
 #[derive(Debug, Default)]
 pub struct Classes {
     kinds: Vec<SymbolKind>,
-    by_span: HashMap<Span, Definition>,
+    by_span: HashMap<Span, DefinitionIndex>,
     /// Of each, another of the same thing nearer to the one that stands for all.
-    parents: Vec<Definition>,
+    parents: Vec<DefinitionIndex>,
 }
 
 impl Classes {
     /// The definition whose name stands there.
-    pub fn define(&mut self, span: Span, kind: SymbolKind) -> Definition {
+    pub fn define(&mut self, span: Span, kind: SymbolKind) -> DefinitionIndex {
         *self.by_span.entry(span).or_insert_with(|| {
             self.kinds.push(kind);
             self.parents.push(self.parents.len());
@@ -87,24 +87,24 @@ impl Classes {
         })
     }
 
-    pub fn at(&self, span: Span) -> Option<Definition> {
+    pub fn at(&self, span: Span) -> Option<DefinitionIndex> {
         self.by_span.get(&span).copied()
     }
 
     /// The definition that stands for all of the same thing.
-    pub fn root(&self, mut definition: Definition) -> Definition {
+    pub fn root(&self, mut definition: DefinitionIndex) -> DefinitionIndex {
         while self.parents[definition] != definition {
             definition = self.parents[definition];
         }
         definition
     }
 
-    pub fn kind(&self, definition: Definition) -> SymbolKind {
+    pub fn kind(&self, definition: DefinitionIndex) -> SymbolKind {
         self.kinds[definition]
     }
 
     /// Says that all of them are of one thing, and gives the first.
-    pub fn unite(&mut self, of: &[Definition]) -> Option<Definition> {
+    pub fn unite(&mut self, of: &[DefinitionIndex]) -> Option<DefinitionIndex> {
         let (first, others) = of.split_first()?;
         for other in others {
             let (left, right) = (self.root(*first), self.root(*other));

@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::classes::{Classes, Definition, SymbolKind};
+use super::classes::{Classes, DefinitionIndex, SymbolKind};
 use crate::syntax::NodeIndex;
 use crate::syntax::ast::{self, View};
 use crate::texts::{FileId, NameDefinition, Texts};
@@ -13,7 +13,7 @@ pub type ScenarioIndex = usize;
 /// A block of a file.
 type BlockOfFile = (FileId, NodeIndex);
 
-type Named = HashMap<String, Vec<Definition>>;
+type Named = HashMap<String, Vec<DefinitionIndex>>;
 
 /// What a scenario says itself, or what all that build on it say.
 #[derive(Debug, Default)]
@@ -47,7 +47,7 @@ struct Road {
 
 /// All scenarios of some files.
 #[derive(Debug, Default)]
-pub struct Families {
+pub struct ScenarioFamilies {
     by_node: HashMap<BlockOfFile, ScenarioIndex>,
     members: Vec<Member>,
     roads: HashMap<BlockOfFile, Road>,
@@ -64,7 +64,7 @@ fn add_all(to: &mut Named, from: &Named) {
     }
 }
 
-impl Families {
+impl ScenarioFamilies {
     pub fn of(files: &Texts, classes: &mut Classes) -> Self {
         let mut families = Self::default();
         let mut bases = Vec::new();
@@ -103,7 +103,7 @@ impl Families {
             for (table, of) in [(&own.users, USERS), (&own.variations, VARIATIONS)] {
                 for (name, definitions) in table {
                     let before = ancestors.iter().find_map(|base| of(&self.members[*base].own).get(name));
-                    let all: Vec<Definition> =
+                    let all: Vec<DefinitionIndex> =
                         definitions.iter().chain(before.into_iter().flatten()).copied().collect();
                     classes.unite(&all);
                 }
@@ -143,7 +143,7 @@ impl Families {
     }
 
     /// What a scenario means by a name: what it or what it builds on says, else what those say that build on it.
-    fn meant(&self, scenario: ScenarioIndex, of: Table, name: &str) -> Vec<Definition> {
+    fn meant(&self, scenario: ScenarioIndex, of: Table, name: &str) -> Vec<DefinitionIndex> {
         let own = self.chain(scenario).find_map(|one| of(&self.members[one].own).get(name));
         own.or_else(|| of(&self.members[scenario].above).get(name)).cloned().unwrap_or_default()
     }
@@ -157,8 +157,8 @@ impl Families {
 
     /// Road users and boxes that scenarios mean by a name, and how many bytes of it are theirs: of a member of a group,
     /// `walkers_2`, those of the group.
-    pub fn users(&self, scenarios: &[ScenarioIndex], name: &str) -> (Vec<Definition>, usize) {
-        let mut found: Vec<Definition> = Vec::new();
+    pub fn users(&self, scenarios: &[ScenarioIndex], name: &str) -> (Vec<DefinitionIndex>, usize) {
+        let mut found: Vec<DefinitionIndex> = Vec::new();
         for scenario in scenarios {
             found.extend(self.meant(*scenario, USERS, name));
             found.extend(self.roads(*scenario).filter_map(|road| road.obstacles.get(name)).flatten());
@@ -171,18 +171,18 @@ impl Families {
         (scenarios.iter().flat_map(|one| self.meant(*one, GROUPS, group)).collect(), group.len())
     }
 
-    pub fn crossings(&self, scenarios: &[ScenarioIndex], name: &str) -> Vec<Definition> {
+    pub fn crossings(&self, scenarios: &[ScenarioIndex], name: &str) -> Vec<DefinitionIndex> {
         let roads = scenarios.iter().flat_map(|scenario| self.roads(*scenario));
         roads.filter_map(|road| road.crossings.get(name)).flatten().copied().collect()
     }
 
     /// What scenarios vary under a name.
-    pub fn variations(&self, scenarios: &[ScenarioIndex], name: &str) -> Vec<Definition> {
+    pub fn variations(&self, scenarios: &[ScenarioIndex], name: &str) -> Vec<DefinitionIndex> {
         scenarios.iter().flat_map(|scenario| self.meant(*scenario, VARIATIONS, name)).collect()
     }
 
     /// What a name in a value of a scenario may stand for besides what its file gives, and whether that is all.
-    pub fn values(&self, scenario: ScenarioIndex, name: &str) -> (Vec<Definition>, bool) {
+    pub fn values(&self, scenario: ScenarioIndex, name: &str) -> (Vec<DefinitionIndex>, bool) {
         let member = &self.members[scenario];
         if let Some(constant) = member.constants.get(name) {
             return (constant.clone(), true);
@@ -197,7 +197,7 @@ impl Families {
     }
 
     /// The parameter of a template.
-    pub fn parameter(&self, template: ScenarioIndex, name: &str) -> Vec<Definition> {
+    pub fn parameter(&self, template: ScenarioIndex, name: &str) -> Vec<DefinitionIndex> {
         self.members[template].parameters.get(name).cloned().unwrap_or_default()
     }
 

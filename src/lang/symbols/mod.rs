@@ -6,7 +6,7 @@ mod references;
 mod rename;
 mod resolve;
 
-pub use families::Families;
+pub use families::ScenarioFamilies;
 pub use references::{NamedPlace, WorkspaceSymbol, references, workspace_symbols};
 pub use rename::{FileEdit, Rename, rename, rename_place};
 pub use resolve::Symbols;

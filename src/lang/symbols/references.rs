@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::classes::SymbolKind;
 use super::resolve::Symbols;
+use crate::codes::Code;
 use crate::source::{Sources, Span};
 use crate::texts::{FileId, Texts};
 use files::Files;
@@ -31,31 +32,42 @@ pub struct WorkspaceSymbol {
 
 /// Every place where the name at byte `offset` of the file at `path` stands, in that file, in what it uses, and in `others`
 /// and what these use; by file and place. Empty where no name stands that a file gives.
+///
+/// # Errors
+/// If these files are too large together to be gone through, so that places would be missing.
 pub fn references(
     path: &Path,
     offset: usize,
     others: &[PathBuf],
     registry: &Registry,
     texts: &dyn Files,
-) -> (Vec<NamedPlace>, Sources) {
+) -> Result<(Vec<NamedPlace>, Sources), String> {
     let mut files = Texts::new(registry, texts).while_edited();
-    let Some(file) = open_all(&mut files, path, others) else { return (Vec::new(), files.sources) };
+    let Some(file) = open_all(&mut files, path, others)? else { return Ok((Vec::new(), files.sources)) };
     let symbols = Symbols::of(&mut files);
     let source = files.tree(file).source;
-    let Some(at) = symbols.at(Span::new(source, offset, offset)) else { return (Vec::new(), files.sources) };
+    let Some(at) = symbols.at(Span::new(source, offset, offset)) else {
+        return Ok((Vec::new(), files.sources));
+    };
     let same = symbols.occurrences.iter().filter(|one| one.symbol == at.symbol);
     let places = same.map(|one| NamedPlace { span: files.sources.resolve(one.span), defines: one.defines });
-    (places.collect(), files.sources)
+    Ok((places.collect(), files.sources))
 }
 
 /// Reads a file and others; what cannot be read is left out.
-pub fn open_all(files: &mut Texts, path: &Path, others: &[PathBuf]) -> Option<FileId> {
+///
+/// # Errors
+/// If not all of them are read, because they are too large.
+pub fn open_all(files: &mut Texts, path: &Path, others: &[PathBuf]) -> Result<Option<FileId>, String> {
     let mut report = Vec::new();
     let file = files.open(path, None, &mut report);
     for other in others {
         files.open(other, None, &mut report);
     }
-    file
+    match report.iter().find(|one| one.code == Code::FileTooLarge) {
+        Some(large) => Err(format!("not every file that may name it was read: {}", large.message)),
+        None => Ok(file),
+    }
 }
 
 /// The scenarios, roads, controllers, blocks, suites, gates and ratings of some files, by file and place.

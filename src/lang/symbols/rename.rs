@@ -49,7 +49,7 @@ pub fn rename_place(
     texts: &dyn Files,
 ) -> Result<(Range<usize>, String), String> {
     let mut files = Texts::new(registry, texts).while_edited();
-    let file = open_all(&mut files, path, &[]).ok_or("the file cannot be read")?;
+    let file = open_all(&mut files, path, &[])?.ok_or("the file cannot be read")?;
     let source = files.tree(file).source;
     let symbols = Symbols::of(&mut files);
     let at = renamable(&symbols, Span::new(source, offset, offset))?;
@@ -127,14 +127,7 @@ fn read<'f>(
     texts: &'f dyn Files,
 ) -> Result<Read<'f>, String> {
     let mut files = Texts::new(registry, texts).while_edited();
-    let mut report = Vec::new();
-    let file = files.open(path, None, &mut report).ok_or("the file cannot be read")?;
-    for other in others {
-        files.open(other, None, &mut report);
-    }
-    if let Some(large) = report.iter().find(|one| one.code == Code::FileTooLarge) {
-        return Err(format!("not every file that may name it was read: {}", large.message));
-    }
+    let file = open_all(&mut files, path, others)?.ok_or("the file cannot be read")?;
     let source = files.tree(file).source;
     let symbols = Symbols::of(&mut files);
     let at = renamable(&symbols, Span::new(source, offset, offset))?;

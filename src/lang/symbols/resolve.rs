@@ -3,8 +3,8 @@
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
-use super::classes::{Classes, Definition, SymbolKind};
-use super::families::{Families, ScenarioIndex};
+use super::classes::{Classes, DefinitionIndex, SymbolKind};
+use super::families::{ScenarioFamilies, ScenarioIndex};
 use crate::declared::declared;
 use crate::source::Span;
 use crate::suite::included;
@@ -43,7 +43,7 @@ impl Symbols {
             parts.insert(file, included(files, file, Path::new(&path)));
         }
         let mut classes = Classes::default();
-        let families = Families::of(files, &mut classes);
+        let families = ScenarioFamilies::of(files, &mut classes);
         let mut resolver = Resolver { files, parts, families, classes, found: Vec::new() };
         for file in files.ids() {
             let place = Place { file, scenario: None, about: Vec::new(), evaluate: None };
@@ -78,9 +78,9 @@ struct Resolver<'t> {
     files: &'t Texts<'t>,
     /// The files that each suite is made of.
     parts: HashMap<FileId, Vec<FileId>>,
-    families: Families,
+    families: ScenarioFamilies,
     classes: Classes,
-    found: Vec<(Span, Definition, bool)>,
+    found: Vec<(Span, DefinitionIndex, bool)>,
 }
 
 /// Where a node stands.
@@ -224,7 +224,7 @@ impl<'t> Resolver<'t> {
         files.iter().filter_map(own).map(|found| (found.file, self.files.node(*found))).collect()
     }
 
-    fn add(&mut self, span: Span, definitions: &[Definition]) {
+    fn add(&mut self, span: Span, definitions: &[DefinitionIndex]) {
         if let Some(definition) = self.classes.unite(definitions) {
             self.found.push((span, definition, false));
         }
@@ -300,7 +300,7 @@ impl<'t> Resolver<'t> {
     }
 
     fn block_or_scenario(&mut self, name: ast::Name<'t>, file: FileId) {
-        let found: Vec<Definition> = self
+        let found: Vec<DefinitionIndex> = self
             .named_in_suite(file, name.text())
             .into_iter()
             .filter_map(|(_, node)| self.classes.at(defined(node)?.0.span()))

@@ -64,7 +64,7 @@ fn others() -> Vec<PathBuf> {
 /// The lines on which a name stands, with `!` where it is given.
 fn lines(file: &str, text: &str, at: &str, behind: usize) -> Vec<String> {
     let offset = text.find(at).unwrap() + behind;
-    let (found, sources) = references(Path::new(file), offset, &others(), &standard(), &files());
+    let (found, sources) = references(Path::new(file), offset, &others(), &standard(), &files()).unwrap();
     let place = |one: &crate::NamedPlace| {
         let source = sources.get(one.span.source);
         let mark = if one.defines { "!" } else { "" };
@@ -167,6 +167,13 @@ fn a_rename_is_refused_with_its_reason() {
     let offset = WALK.find("vehicle av").unwrap() + 8;
     let said = rename(Path::new("walk.scn"), offset, "ego", &all, &standard(), &broken).unwrap_err();
     assert!(said.contains("`broken.scn`") && said.contains("mend that first"), "{said}");
+    // Nor where not all is read.
+    let large = files().with("large.scn", format!("# {}\n", "x".repeat(4 << 20)).as_str());
+    let mut all = others();
+    all.push("large.scn".into());
+    let said = rename(Path::new("walk.scn"), offset, "ego", &all, &standard(), &large).unwrap_err();
+    assert!(said.contains("not every file"), "{said}");
+    assert!(references(Path::new("walk.scn"), offset, &all, &standard(), &large).is_err());
     let own = "controller own {\n  command \"a\"\n  parameter gap = 5 m in 1 m .. 30 m\n}\n";
     let one = Memory::default().with("own.scn", own);
     let said = rename_place(Path::new("own.scn"), own.find("gap").unwrap(), &standard(), &one).unwrap_err();
@@ -426,7 +433,7 @@ proptest! {
         prop_assert!(found.windows(2).all(|two| two[0].end <= two[1].start));
         fixes(path, &text, 0..text.len(), &registry, &files);
         for offset in (0..=text.len()).filter(|at| text.is_char_boundary(*at)).step_by(7) {
-            references(path, offset, &[], &registry, &files);
+            references(path, offset, &[], &registry, &files).unwrap();
             let _ = rename(path, offset, "entirely_new", &[], &registry, &files);
         }
     }
