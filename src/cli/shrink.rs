@@ -160,6 +160,7 @@ fn shrink_found(
         set: suite.suite.set.clone(),
         tested: suite.suite.tested.clone(),
         earlier_seeds: Vec::new(),
+        texts: Vec::new(),
     };
     let folder = path.parent().filter(|one| !one.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let text = shrunk_file(&shrunk, criterion, &identity, folder).map_err(|error| {

@@ -126,27 +126,38 @@ impl Files for Memory {
     }
 }
 
-/// Other files, in which a text stands for one of them: what is being edited and was not saved.
+/// Other files, in which texts stand for some of them: what is being edited and was not saved.
 #[derive(Debug)]
 pub struct Overlay<'a> {
     under: &'a dyn Files,
-    identity: PathBuf,
-    text: &'a str,
+    /// By what tells their files from others.
+    texts: BTreeMap<PathBuf, &'a str>,
 }
 
 impl<'a> Overlay<'a> {
     /// `text` stands for the file at `path`.
     pub fn new(under: &'a dyn Files, path: &Path, text: &'a str) -> Self {
-        Self { under, identity: under.identity(path), text }
+        Self::of(under).with(path, text)
+    }
+
+    /// Other files as they are.
+    pub fn of(under: &'a dyn Files) -> Self {
+        Self { under, texts: BTreeMap::new() }
+    }
+
+    /// The same, with `text` for the file at `path`.
+    pub fn with(mut self, path: &Path, text: &'a str) -> Self {
+        self.texts.insert(self.under.identity(path), text);
+        self
     }
 }
 
 impl Files for Overlay<'_> {
     fn read(&self, path: &Path, endings: &[&str], most: u64) -> Result<Vec<u8>, ReadError> {
-        if self.under.identity(path) != self.identity {
-            return self.under.read(path, endings, most);
+        match self.texts.get(&self.under.identity(path)) {
+            Some(text) => bounded(text, most),
+            None => self.under.read(path, endings, most),
         }
-        bounded(self.text, most)
     }
 
     fn identity(&self, path: &Path) -> PathBuf {

@@ -15,6 +15,19 @@ pub struct Label {
     pub text: String,
 }
 
+/// What an editor can do about a finding at its first place.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Remedy {
+    /// Something else in its place.
+    Replace(String),
+    /// Something more behind it.
+    AddBehind(String),
+    /// A statement more in the block of what has this name.
+    SayInside(String),
+    /// Without the statement, setting or character that stands there.
+    Remove,
+}
+
 /// One finding: the first label is where it is, the others belong to the story.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Diagnostic {
@@ -30,6 +43,8 @@ pub struct Diagnostic {
     pub notes: Vec<String>,
     /// What to do about it, a sentence each.
     pub hints: Vec<String>,
+    /// What of that an editor can do, each by itself.
+    pub remedies: Vec<Remedy>,
 }
 
 impl Diagnostic {
@@ -42,6 +57,7 @@ impl Diagnostic {
             labels: vec![Label { span, text: String::new() }],
             notes: Vec::new(),
             hints: Vec::new(),
+            remedies: Vec::new(),
         }
     }
 
@@ -69,11 +85,18 @@ impl Diagnostic {
         self
     }
 
+    /// With something that an editor can do about it.
+    pub fn remedy(mut self, remedy: Remedy) -> Self {
+        self.remedies.push(remedy);
+        self
+    }
+
     /// "did you mean" when a name is near, else the list of names.
     pub fn suggest<'a>(self, found: &str, valid: impl IntoIterator<Item = &'a str>) -> Self {
         let mut valid: Vec<&str> = valid.into_iter().collect();
         if let Some(near) = nearest(found, valid.iter().copied()) {
-            return self.hint(format!("did you mean `{near}`?"));
+            let near = near.to_string();
+            return self.hint(format!("did you mean `{near}`?")).remedy(Remedy::Replace(near));
         }
         valid.sort_unstable();
         valid.dedup();

@@ -19,17 +19,22 @@ mod diagnostic;
 mod excerpt;
 mod file_kind;
 pub mod filter;
+mod fixes;
+mod hints;
 mod notations;
 mod overrides;
 mod render;
 mod replacement;
+mod runnables;
 mod settings;
 mod source;
 mod suite;
+mod symbols;
 mod syntax;
 #[cfg(test)]
 mod tests;
 mod texts;
+mod tokens;
 mod units;
 mod value;
 mod write;
@@ -41,16 +46,24 @@ pub use assist::{definition, hover};
 pub use check::write_scenario;
 pub use codes::{Code, Severity};
 pub use complete::{Completion, complete};
-pub use diagnostic::{Diagnostic, Label, nearest};
+pub use diagnostic::{Diagnostic, Label, Remedy, nearest};
 pub use excerpt::Excerpt;
+pub use fixes::{Fix, fixes};
+pub use hints::{Hint, hints};
 pub use notations::{unit_in, unit_in_claim};
 pub use overrides::Override;
 pub use render::{Style, count, render, render_all};
 pub use replacement::{Outside, Replacement};
+pub use runnables::{Runnable, runnables};
 pub use source::{Location, Source, SourceId, Sources, Span};
 pub use suite::DEFAULT_SEED;
+pub use symbols::{
+    FileEdit, NamedPlace, Rename, SymbolKind, WorkspaceSymbol, references, rename, rename_place,
+    workspace_symbols,
+};
 pub use syntax::{Tree, format};
 pub use texts::{LARGEST_FILE, with_declared};
+pub use tokens::{ColouredToken, TokenColour, coloured};
 pub use units::{UNITS, UnitEntry};
 pub use write::{quantity, write_comparison};
 pub use yaml::schema as yaml_schema;
@@ -247,7 +260,9 @@ fn load_with(path: &Path, mut files: Texts) -> Result<Loaded, Failure> {
     let set = files.outside.words();
     let own = files.registry.controllers().iter().filter(|known| known.program.is_some());
     let controllers = own.map(Reference::from).collect();
-    let suite = suite.map(|suite| Suite { set, controllers, notations: notations::of(&suite), ..suite });
+    let texts = files.digests();
+    let suite =
+        suite.map(|suite| Suite { set, controllers, texts, notations: notations::of(&suite), ..suite });
     let sources = files.sources;
     match suite {
         Some(suite) if !failed => Ok(Loaded { suite, warnings: report, sources }),

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::codes::Code;
-use super::diagnostic::Diagnostic;
+use super::diagnostic::{Diagnostic, Remedy};
 use super::source::Span;
 use super::syntax::ast;
 use super::value::{self, NameScope, Typed, ValueKind};
@@ -113,6 +113,7 @@ pub fn repeated(name: &str, span: Span, first: Span) -> Diagnostic {
         .label("said again")
         .context(first, "said first here")
         .hint("remove one of them")
+        .remedy(Remedy::Remove)
 }
 
 /// One setting against what `declaration` says about it.
@@ -178,6 +179,8 @@ pub fn not_whole(span: Span, what: &str, found: f64) -> Diagnostic {
     Diagnostic::new(Code::NotWhole, span, format!("{what} is {found}, but must be a whole number"))
         .label("not whole")
         .hint(format!("write {} or {}", found.floor(), found.ceil()))
+        .remedy(Remedy::Replace(found.floor().to_string()))
+        .remedy(Remedy::Replace(found.ceil().to_string()))
 }
 
 /// A name alone is the word itself, unless a `let` or variation has that name.

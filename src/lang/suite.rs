@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use super::blocks::{Gathered, gather};
 use super::check::{self, Places};
 use super::codes::{Code, Severity};
-use super::diagnostic::Diagnostic;
+use super::diagnostic::{Diagnostic, Remedy};
 use super::file_kind::{FileKind, file_kind};
 use super::source::Span;
 use super::syntax::ast;
@@ -92,6 +92,7 @@ fn bare(files: &Texts, file: FileId, path: &Path, report: &mut Vec<Diagnostic>) 
         ratings: Vec::new(),
         controllers: Vec::new(),
         notations: Vec::new(),
+        texts: Vec::new(),
         origin: files.sources.origin(Span::beginning(root.span().source)),
     };
     reject_lost(&declared, &suite, report);
@@ -256,6 +257,7 @@ fn declared(files: &mut Texts, file: FileId, path: &Path, report: &mut Vec<Diagn
         ratings: ratings.into_iter().flatten().collect(),
         controllers: Vec::new(),
         notations: Vec::new(),
+        texts: Vec::new(),
         origin: files.sources.origin(name.span()),
     };
     reject_lost(&declared, &suite, report);
@@ -496,7 +498,8 @@ fn warn_of_nothing_expected<'s>(
                     format!("scenario `{}` expects nothing", name.text()),
                 )
                 .label("run, but not judged")
-                .hint("add `expect { no collision }`"),
+                .hint("add `expect { no collision }`")
+                .remedy(Remedy::SayInside("expect { no collision }".to_string())),
             );
         }
     }

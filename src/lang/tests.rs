@@ -1,5 +1,6 @@
 //! Properties that hold for every text.
 
+mod editors;
 mod statements;
 
 use std::path::Path;

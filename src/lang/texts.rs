@@ -17,7 +17,9 @@ use super::syntax::{Node, NodeIndex, Tree};
 use super::value::{self, Binding, NameScope};
 use super::yaml;
 use files::{self, ReadError};
+use scenario::TextDigest;
 use scenario::registry::Registry;
+use sha2::{Digest, Sha256};
 
 /// Larger files are refused.
 pub const LARGEST_FILE: usize = 16 << 20;
@@ -91,6 +93,8 @@ pub struct Texts<'f> {
     pub set: Vec<Span>,
     /// What stands in files that are no scenarios, by path.
     others: RefCell<HashMap<String, Result<Arc<str>, String>>>,
+    /// SHA-256 of what was read, hexadecimal, by path.
+    digests: RefCell<BTreeMap<String, String>>,
     /// Of all texts, bytes.
     size: usize,
     /// More are not read, bytes.
@@ -112,6 +116,7 @@ impl<'f> Texts<'f> {
             tests: Tests::default(),
             set: Vec::new(),
             others: RefCell::default(),
+            digests: RefCell::default(),
             size: 0,
             largest: usize::MAX,
         }
@@ -294,6 +299,7 @@ impl<'f> Texts<'f> {
             };
             (code, format!("cannot read `{shown}`: {error}"), hint, None)
         })?;
+        self.note(path, &bytes);
         String::from_utf8(bytes).map(Arc::from).map_err(|error| {
             let valid = error.utf8_error().valid_up_to();
             let before = String::from_utf8_lossy(&error.as_bytes()[..valid]).into_owned();
@@ -325,10 +331,22 @@ impl<'f> Texts<'f> {
     /// What stands in a file of another kind, or why it cannot be read; each file is read once.
     pub fn text_of(&self, path: &str, endings: &[&str]) -> Result<Arc<str>, String> {
         let read = || {
-            let text = self.texts.read_text(Path::new(path), endings);
-            text.map(Arc::from).map_err(|error| error.to_string())
+            let text = self.texts.read_text(Path::new(path), endings).map_err(|error| error.to_string())?;
+            self.note(Path::new(path), text.as_bytes());
+            Ok(Arc::from(text))
         };
         self.others.borrow_mut().entry(path.to_string()).or_insert_with(read).clone()
+    }
+
+    fn note(&self, path: &Path, bytes: &[u8]) {
+        let digest = Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect();
+        self.digests.borrow_mut().insert(path.display().to_string(), digest);
+    }
+
+    /// Every file of which text was read, by name.
+    pub fn digests(&self) -> Vec<TextDigest> {
+        let known = self.digests.borrow();
+        known.iter().map(|(file, sha256)| TextDigest { file: file.clone(), sha256: sha256.clone() }).collect()
     }
 
     fn circle(&self, first: usize, path: &Path, asked: Span) -> Diagnostic {

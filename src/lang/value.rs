@@ -4,7 +4,7 @@ use std::cell::Cell;
 use std::collections::HashMap;
 
 use super::codes::Code;
-use super::diagnostic::Diagnostic;
+use super::diagnostic::{Diagnostic, Remedy};
 use super::source::Span;
 use super::syntax::Node;
 use super::syntax::ast::{self, Term, View};
@@ -292,7 +292,9 @@ fn quantity(node: ast::Quantity, report: &mut Vec<Diagnostic>) -> Option<Typed> 
                 )
                 .label("not a unit");
                 diagnostic = match units::meant(symbol.text()) {
-                    Some(unit) => diagnostic.hint(format!("write `{unit}`")),
+                    Some(unit) => {
+                        diagnostic.hint(format!("write `{unit}`")).remedy(Remedy::Replace(unit.to_string()))
+                    }
                     // Of short ones the nearest is seldom meant, and would change the value.
                     None if symbol.text().len() < 4 => {
                         let all: Vec<_> =
@@ -435,12 +437,16 @@ pub fn expect_kind(value: &Typed, kind: ValueKind, what: &str, report: &mut Vec<
         _ => None,
     };
     let diagnostic = match (kind, value.kind) {
-        (ValueKind::Number(_), ValueKind::Number(Dimension::NUMBER)) => Diagnostic::new(
-            Code::MissingUnit,
-            value.span,
-            format!("{what} is {}, but this number has no unit", kind.name()),
-        )
-        .label("needs a unit"),
+        (ValueKind::Number(wanted), ValueKind::Number(Dimension::NUMBER)) => {
+            let missing = Diagnostic::new(
+                Code::MissingUnit,
+                value.span,
+                format!("{what} is {}, but this number has no unit", kind.name()),
+            );
+            let usual = units::UNITS.iter().filter(|unit| unit.dimension == wanted && unit.is_usual);
+            let remedies = usual.map(|unit| Remedy::AddBehind(format!(" {}", unit.symbol))).collect();
+            Diagnostic { remedies, ..missing }.label("needs a unit")
+        }
         (ValueKind::Number(_), ValueKind::Number(_)) => Diagnostic::new(
             Code::WrongDimension,
             value.span,

@@ -21,7 +21,7 @@ use trials::{course, trial, word};
 use results::judge::{judge, per_run};
 use results::{Chosen, Recording};
 use runner::plan::PlannedTrial;
-use scenario::{Block, Case, Gate, MetricReference, Rating, Search, Tune};
+use scenario::{Block, Case, Gate, MetricReference, Rating, Search, TextDigest, Tune};
 use sim::measure::Presence;
 use sim::{Ending, StopReason};
 
@@ -148,6 +148,7 @@ impl Session {
                 set: Vec::new(),
                 tested: Vec::new(),
                 earlier_seeds: Vec::new(),
+                texts: vec![TextDigest { file: self.file.clone(), sha256: "0f".repeat(32) }],
             },
             program: Program::this(),
             started: SystemTime::UNIX_EPOCH + Duration::from_secs(1_795_250_000),

@@ -16,7 +16,7 @@ use super::standing::Standing;
 use super::summary::SuiteSummary;
 use super::trial::TrialReport;
 use numbers::json;
-use scenario::TestedInstead;
+use scenario::{TestedInstead, TextDigest};
 
 /// More seeds are counted, not named.
 const MOST_SEEDS_NAMED: usize = 10;
@@ -41,6 +41,9 @@ pub struct SuiteIdentity {
     /// one passes has shown nothing.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub earlier_seeds: Vec<TriedSeed>,
+    /// What the suite was read from, by name.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub texts: Vec<TextDigest>,
 }
 
 /// A seed that the same suite was run with before.

@@ -66,8 +66,21 @@ pub struct Suite {
     /// units are not there. For messages and reports only.
     #[serde(skip)]
     pub notations: Vec<(MetricReference, Notation)>,
+    /// What it was read from, by name: whoever shows results tells by that whether they are of the texts of today.
+    #[serde(skip)]
+    pub texts: Vec<TextDigest>,
     /// Where it is declared.
     pub origin: Origin,
+}
+
+/// A file as it was when a suite was read from it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TextDigest {
+    /// As it was named.
+    pub file: String,
+    /// SHA-256 of its bytes, hexadecimal.
+    pub sha256: String,
 }
 
 impl Suite {

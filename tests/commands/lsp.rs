@@ -9,17 +9,22 @@ use lsp_server::{Message, Notification, Request};
 use serde_json::{Value, json};
 
 /// An editor with the server that it started.
-struct Editor {
+pub struct Editor {
     server: Child,
     to: ChildStdin,
     from: BufReader<ChildStdout>,
     requests: i32,
     /// The last findings shown for each address.
-    findings: HashMap<String, Vec<Value>>,
+    pub findings: HashMap<String, Vec<Value>>,
 }
 
 impl Editor {
-    fn start() -> Self {
+    pub fn start() -> Self {
+        Self::start_with(json!({ "capabilities": {} }))
+    }
+
+    /// As an editor does that says more of itself.
+    pub fn start_with(parameters: Value) -> Self {
         let mut server = Command::new(env!("CARGO_BIN_EXE_scenario-runner"))
             .args(["lsp", "--stdio"])
             .stdin(Stdio::piped())
@@ -29,10 +34,20 @@ impl Editor {
         let to = server.stdin.take().unwrap();
         let from = BufReader::new(server.stdout.take().unwrap());
         let mut editor = Self { server, to, from, requests: 0, findings: HashMap::new() };
-        let able = editor.ask("initialize", json!({ "capabilities": {} }))["capabilities"].clone();
-        for ability in
-            ["hoverProvider", "completionProvider", "definitionProvider", "documentFormattingProvider"]
-        {
+        let able = editor.ask("initialize", parameters)["capabilities"].clone();
+        for ability in [
+            "hoverProvider",
+            "completionProvider",
+            "definitionProvider",
+            "documentFormattingProvider",
+            "referencesProvider",
+            "renameProvider",
+            "workspaceSymbolProvider",
+            "inlayHintProvider",
+            "semanticTokensProvider",
+            "codeActionProvider",
+            "codeLensProvider",
+        ] {
             assert!(!able[ability].is_null(), "{able}");
         }
         editor.tell("initialized", json!({}));
@@ -44,12 +59,12 @@ impl Editor {
         self.to.flush().unwrap();
     }
 
-    fn tell(&mut self, method: &str, parameters: Value) {
+    pub fn tell(&mut self, method: &str, parameters: Value) {
         self.send(Message::Notification(Notification::new(method.to_string(), parameters)));
     }
 
     /// The answer, or the error in its place.
-    fn ask(&mut self, method: &str, parameters: Value) -> Value {
+    pub fn ask(&mut self, method: &str, parameters: Value) -> Value {
         self.requests += 1;
         let id = self.requests.into();
         self.send(Message::Request(Request::new(id, method.to_string(), parameters)));
@@ -75,12 +90,12 @@ impl Editor {
         }
     }
 
-    fn open(&mut self, path: &Path, text: &str) {
+    pub fn open(&mut self, path: &Path, text: &str) {
         let document = json!({ "uri": address(path), "languageId": "scn", "version": 1, "text": text });
         self.tell("textDocument/didOpen", json!({ "textDocument": document }));
     }
 
-    fn change(&mut self, path: &Path, text: &str) {
+    pub fn change(&mut self, path: &Path, text: &str) {
         let changes = json!([{ "text": text }]);
         let document = json!({ "uri": address(path), "version": 2 });
         self.tell("textDocument/didChange", json!({ "textDocument": document, "contentChanges": changes }));
@@ -98,7 +113,7 @@ impl Editor {
     }
 
     /// Asks about the place `behind` bytes after the beginning of `word` in `text`.
-    fn at(&mut self, what: &str, path: &Path, text: &str, behind: usize) -> Value {
+    pub fn at(&mut self, what: &str, path: &Path, text: &str, behind: usize) -> Value {
         let before = &text[..behind];
         let line = before.matches('\n').count();
         let character = before.rsplit('\n').next().unwrap().encode_utf16().count();
@@ -116,7 +131,7 @@ impl Editor {
         )
     }
 
-    fn end(mut self) {
+    pub fn end(mut self) {
         assert_eq!(self.ask("shutdown", Value::Null), Value::Null);
         self.tell("exit", Value::Null);
         drop(self.to);
@@ -124,7 +139,7 @@ impl Editor {
     }
 }
 
-fn address(path: &Path) -> String {
+pub fn address(path: &Path) -> String {
     format!("file://{}", path.display())
 }
 
@@ -284,8 +299,8 @@ fn formatting_replaces_the_whole_text_or_nothing() {
 fn what_is_not_known_is_refused_and_the_server_lives_on() {
     let (_folder, path) = project();
     let mut editor = Editor::start();
-    let refused = editor.ask("textDocument/rename", json!({}));
-    assert!(refused["message"].as_str().unwrap().contains("textDocument/rename"), "{refused}");
+    let refused = editor.ask("textDocument/declaration", json!({}));
+    assert!(refused["message"].as_str().unwrap().contains("textDocument/declaration"), "{refused}");
     let malformed = editor.ask("textDocument/hover", json!({ "textDocument": 5 }));
     assert!(malformed["code"].is_number(), "{malformed}");
     editor.tell("textDocument/didOpen", json!({ "textDocument": 5 }));

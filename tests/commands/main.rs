@@ -13,7 +13,9 @@ mod groups;
 
 mod horizon;
 mod init;
+mod last_run;
 mod lsp;
+mod lsp_names;
 mod numbers;
 mod outputs;
 #[cfg(target_os = "linux")]

@@ -73,6 +73,32 @@ pub fn position_of(text: &str, offset: usize) -> Position {
     Position { line, character: before[line_start..].encode_utf16().count() as u32 }
 }
 
+/// Positions in a text, of places that come one behind the other: each part of the text is gone through once.
+pub struct Positions<'t> {
+    text: &'t str,
+    offset: usize,
+    position: Position,
+}
+
+impl<'t> Positions<'t> {
+    pub fn new(text: &'t str) -> Self {
+        Self { text, offset: 0, position: Position::default() }
+    }
+
+    /// That of a byte, which is not before the last that was asked for.
+    pub fn at(&mut self, offset: usize) -> Position {
+        for character in self.text[self.offset..offset].chars() {
+            if character == '\n' {
+                self.position = Position { line: self.position.line + 1, character: 0 };
+            } else {
+                self.position.character += character.len_utf16() as u32;
+            }
+        }
+        self.offset = offset;
+        self.position
+    }
+}
+
 pub fn offset_of(text: &str, position: Position) -> usize {
     let line_start = match position.line {
         0 => 0,
@@ -129,6 +155,10 @@ mod tests {
         assert_eq!(offset_of(text, Position { line: 1, character: 2 }), 6);
         assert_eq!(offset_of(text, Position { line: 9, character: 0 }), text.len());
         assert_eq!(offset_of(text, Position { line: u32::MAX, character: u32::MAX }), text.len());
+        let mut positions = Positions::new(text);
+        for offset in [0, 1, 2, 6, 7, 8] {
+            assert_eq!(positions.at(offset), position_of(text, offset));
+        }
         // Between the halves of a character: behind it.
         assert_eq!(offset_of(text, Position { line: 1, character: 1 }), 6);
     }

@@ -1,7 +1,13 @@
 //! `scenario-runner lsp`: the language server, over standard input and output.
 
+mod actions;
 mod document;
 mod frame;
+mod last_run;
+mod lenses;
+mod marks;
+mod names;
+mod workspace;
 
 use std::collections::{BTreeMap, HashMap};
 use std::io::{self, BufRead, BufReader, Write};
@@ -14,25 +20,31 @@ use std::time::Duration;
 use clap::Args;
 use lsp_server::{ErrorCode, Message, Notification, Request, Response};
 use lsp_types::{
-    CompletionItem, CompletionOptions, CompletionParams, DiagnosticRelatedInformation, DiagnosticSeverity,
-    DidChangeTextDocumentParams, DidCloseTextDocumentParams, DidOpenTextDocumentParams,
-    DocumentFormattingParams, GotoDefinitionParams, Hover, HoverContents, HoverParams,
-    HoverProviderCapability, Location, MarkupContent, MarkupKind, MessageType, NumberOrString, OneOf,
-    Position, PublishDiagnosticsParams, Range, ServerCapabilities, ShowMessageParams,
+    CodeActionParams, CodeLensParams, CompletionItem, CompletionOptions, CompletionParams,
+    DiagnosticRelatedInformation, DiagnosticSeverity, DidChangeTextDocumentParams,
+    DidCloseTextDocumentParams, DidOpenTextDocumentParams, DocumentFormattingParams, GotoDefinitionParams,
+    Hover, HoverContents, HoverParams, HoverProviderCapability, InlayHintParams, Location, MarkupContent,
+    MarkupKind, MessageType, NumberOrString, OneOf, Position, PublishDiagnosticsParams, Range,
+    ReferenceParams, RenameParams, SemanticTokensParams, ServerCapabilities, ShowMessageParams,
     TextDocumentPositionParams, TextDocumentSyncCapability, TextDocumentSyncKind, TextEdit, Uri,
+    WorkspaceSymbolParams,
 };
 use serde_json::{Value, json};
 
 use super::Exit;
 use document::{Document, changed, offset_of, path_of, position_of, range_of, uri_of};
-use files::Disk;
+use files::{Disk, Overlay};
 use frame::Frame;
 use lang::{self, Code, Diagnostic, Severity, Sources, Tree};
+use last_run::LastResults;
+use lenses::Shown;
+use names::{AskedName, Refused};
 use report::Sketch;
 use report::console::{stderr, stdout};
 use runner::plan::plan_scenario;
 use runner::project::examine_edited;
 use scenario::registry::Registry;
+use workspace::Workspace;
 
 #[derive(Debug, Args)]
 pub struct LspArguments {
@@ -98,7 +110,14 @@ fn serve(
     registry: &Registry,
 ) -> io::Result<Farewell> {
     let frames = frames(input);
-    let mut server = Server { output, registry, documents: HashMap::new(), shown: HashMap::new() };
+    let mut server = Server {
+        output,
+        registry,
+        documents: HashMap::new(),
+        shown: HashMap::new(),
+        workspace: Workspace::default(),
+        runs: LastResults::default(),
+    };
     let mut phase = Phase::New;
     loop {
         let next = match phase {
@@ -127,6 +146,7 @@ fn serve(
                 let response = match (phase, request.method.as_str()) {
                     (Phase::New, "initialize") => {
                         phase = Phase::Open;
+                        server.workspace = Workspace::new(&request.params);
                         Response::new_ok(request.id, json!({ "capabilities": capabilities() }))
                     }
                     (Phase::New, _) => {
@@ -178,8 +198,9 @@ fn refused(request: Request, why: &str) -> Response {
     Response::new_err(request.id, ErrorCode::InvalidRequest as i32, message)
 }
 
-fn capabilities() -> ServerCapabilities {
-    ServerCapabilities {
+/// Some of them in JSON, since the types of the protocol have many members that are not there.
+fn capabilities() -> Value {
+    let older = ServerCapabilities {
         text_document_sync: Some(TextDocumentSyncCapability::Kind(TextDocumentSyncKind::FULL)),
         hover_provider: Some(HoverProviderCapability::Simple(true)),
         completion_provider: Some(CompletionOptions {
@@ -187,9 +208,18 @@ fn capabilities() -> ServerCapabilities {
             ..CompletionOptions::default()
         }),
         definition_provider: Some(OneOf::Left(true)),
+        references_provider: Some(OneOf::Left(true)),
         document_formatting_provider: Some(OneOf::Left(true)),
+        workspace_symbol_provider: Some(OneOf::Left(true)),
+        inlay_hint_provider: Some(OneOf::Left(true)),
         ..ServerCapabilities::default()
-    }
+    };
+    let mut all = json!(older);
+    all["renameProvider"] = json!({ "prepareProvider": true });
+    all["semanticTokensProvider"] = json!({ "legend": marks::legend(), "full": true });
+    all["codeActionProvider"] = json!({ "codeActionKinds": ["quickfix"] });
+    all["codeLensProvider"] = json!({});
+    all
 }
 
 struct Server<'r, W> {
@@ -198,6 +228,8 @@ struct Server<'r, W> {
     documents: HashMap<Uri, Document>,
     /// The files that a document's findings were last shown in.
     shown: HashMap<Uri, Vec<Uri>>,
+    workspace: Workspace,
+    runs: LastResults,
 }
 
 /// A request of our own: a place in a document, answered by the `name` and the `svg` of the scenario there, or by a `message`.
@@ -236,12 +268,24 @@ impl<W: Write> Server<'_, W> {
             "textDocument/completion" => Some(self.completion(params)),
             "textDocument/definition" => Some(self.definition(params)),
             "textDocument/formatting" => Some(self.formatting(params)),
+            "textDocument/references" => Some(self.references(params)),
+            "textDocument/prepareRename" => Some(self.prepare_rename(params)),
+            "textDocument/rename" => Some(self.rename(params)),
+            "textDocument/inlayHint" => Some(self.inlay_hints(params)),
+            "textDocument/semanticTokens/full" => Some(self.semantic_tokens(params)),
+            "textDocument/codeAction" => Some(self.code_actions(params)),
+            "textDocument/codeLens" => Some(self.code_lenses(params)),
+            "workspace/symbol" => Some(self.symbols(params)),
             SKETCH => Some(self.sketch(params)),
             _ => None,
         }));
         match result {
             Ok(Some(Ok(value))) => Response::new_ok(id, value),
-            Ok(Some(Err(error))) => Response::new_err(id, ErrorCode::InvalidParams as i32, error.to_string()),
+            Ok(Some(Err(error))) => {
+                let is_refused = error.is::<Refused>();
+                let code = if is_refused { ErrorCode::RequestFailed } else { ErrorCode::InvalidParams };
+                Response::new_err(id, code as i32, error.to_string())
+            }
             Ok(None) => {
                 Response::new_err(id, ErrorCode::MethodNotFound as i32, format!("`{method}` is not known"))
             }
@@ -257,6 +301,8 @@ impl<W: Write> Server<'_, W> {
             "textDocument/didOpen" => serde_json::from_value(params).map(|opened| self.open(opened)),
             "textDocument/didChange" => serde_json::from_value(params).map(|changed| self.change(changed)),
             "textDocument/didClose" => serde_json::from_value(params).map(|closed| self.close(&closed)),
+            // Files changed beside the editor, results among them.
+            "workspace/didChangeWatchedFiles" => Ok(self.publish_all()),
             _ => Ok(Ok(())),
         };
         heard.unwrap_or_else(|error| {
@@ -305,6 +351,11 @@ impl<W: Write> Server<'_, W> {
         Ok(())
     }
 
+    fn publish_all(&mut self) -> io::Result<()> {
+        let all: Vec<Uri> = self.documents.keys().cloned().collect();
+        all.iter().try_for_each(|uri| self.publish(uri))
+    }
+
     /// Checks a document and shows what was found, in it and in the files that it uses.
     fn publish(&mut self, uri: &Uri) -> io::Result<()> {
         let (Some(document), Some(path)) = (self.documents.get(uri), path_of(uri)) else { return Ok(()) };
@@ -326,8 +377,17 @@ impl<W: Write> Server<'_, W> {
                 Err(_) => _ = by_file.insert(own.clone(), vec![at_the_beginning("bug", BUG)]),
             }
         }
+        let files = self.files();
+        let shown = Shown {
+            path: &path,
+            text: &document.text,
+            workspace: &self.workspace,
+            runs: &self.runs,
+            files: &files,
+        };
+        let last = catch_unwind(AssertUnwindSafe(|| lenses::findings(&shown)));
+        by_file.entry(own.clone()).or_default().extend(last.unwrap_or_default());
         let mut fresh = Vec::new();
-        by_file.entry(own.clone()).or_default();
         for (name, diagnostics) in by_file {
             let is_own = name == own;
             let target = if is_own { Some(uri.clone()) } else { uri_of(&name) };
@@ -413,6 +473,88 @@ impl<W: Write> Server<'_, W> {
             |message| json!({ "message": message }),
             |(name, svg)| json!({ "name": name, "svg": svg }),
         ))
+    }
+
+    /// The disk, with the texts of open documents for their files.
+    fn files(&self) -> Overlay<'_> {
+        let kept = self.documents.iter().filter(|(_, document)| document.refused.is_none());
+        let texts = kept.filter_map(|(uri, document)| Some((path_of(uri)?, document.text.as_str())));
+        texts.fold(Overlay::of(&Disk), |files, (path, text)| files.with(&path, text))
+    }
+
+    fn references(&self, parameters: Value) -> Result<Value, Failure> {
+        let parameters: ReferenceParams = serde_json::from_value(parameters)?;
+        let with_definitions = parameters.context.include_declaration;
+        let found = self.asked(&parameters.text_document_position, true, |asked, _| {
+            names::references(asked, with_definitions)
+        });
+        Ok(serde_json::to_value(found?)?)
+    }
+
+    fn prepare_rename(&self, parameters: Value) -> Result<Value, Failure> {
+        let place: TextDocumentPositionParams = serde_json::from_value(parameters)?;
+        Ok(self.asked(&place, false, |asked, text| names::rename_place(asked, text))?)
+    }
+
+    fn rename(&self, parameters: Value) -> Result<Value, Failure> {
+        let parameters: RenameParams = serde_json::from_value(parameters)?;
+        Ok(self.asked(&parameters.text_document_position, true, |asked, _| {
+            names::rename(asked, &parameters.new_name, &self.workspace)
+        })?)
+    }
+
+    /// Answers about the name at a place, with all files where it may stand besides if those are `wanted`.
+    fn asked<T>(
+        &self,
+        place: &TextDocumentPositionParams,
+        wanted: bool,
+        answer: impl FnOnce(&AskedName, &str) -> Result<T, Refused>,
+    ) -> Result<T, Refused> {
+        let path = path_of(&place.text_document.uri).ok_or_else(|| Refused("it is no file".to_string()))?;
+        let (text, offset) = self.place(place);
+        let (others, all) = if wanted { self.workspace.files(&path) } else { (Vec::new(), true) };
+        if !all {
+            return Err(Refused("the folder has so many files that not all are gone through".to_string()));
+        }
+        let files = self.files();
+        let (others, registry) = (others.as_slice(), self.registry);
+        answer(&AskedName { path: &path, offset, others, registry, files: &files }, text)
+    }
+
+    fn symbols(&self, parameters: Value) -> Result<Value, Failure> {
+        let parameters: WorkspaceSymbolParams = serde_json::from_value(parameters)?;
+        let (paths, _) = self.workspace.files(Path::new(""));
+        Ok(json!(names::symbols(&parameters.query, &paths, self.registry, &self.files())))
+    }
+
+    fn inlay_hints(&self, parameters: Value) -> Result<Value, Failure> {
+        let parameters: InlayHintParams = serde_json::from_value(parameters)?;
+        let uri = &parameters.text_document.uri;
+        let Some(path) = path_of(uri) else { return Ok(json!([])) };
+        Ok(json!(marks::inlay_hints(&path, self.text(uri), parameters.range, self.registry, &self.files())))
+    }
+
+    fn semantic_tokens(&self, parameters: Value) -> Result<Value, Failure> {
+        let parameters: SemanticTokensParams = serde_json::from_value(parameters)?;
+        let uri = &parameters.text_document.uri;
+        let Some(path) = path_of(uri) else { return Ok(json!({ "data": [] })) };
+        Ok(marks::semantic_tokens(&path, self.text(uri), self.registry, &self.files()))
+    }
+
+    fn code_actions(&self, parameters: Value) -> Result<Value, Failure> {
+        let parameters: CodeActionParams = serde_json::from_value(parameters)?;
+        let uri = &parameters.text_document.uri;
+        let Some(path) = path_of(uri) else { return Ok(json!([])) };
+        Ok(json!(actions::code_actions(&path, self.text(uri), &parameters, self.registry, &self.files())))
+    }
+
+    fn code_lenses(&self, parameters: Value) -> Result<Value, Failure> {
+        let parameters: CodeLensParams = serde_json::from_value(parameters)?;
+        let uri = &parameters.text_document.uri;
+        let Some(path) = path_of(uri) else { return Ok(json!([])) };
+        let (text, files) = (self.text(uri), self.files());
+        let shown = Shown { path: &path, text, workspace: &self.workspace, runs: &self.runs, files: &files };
+        Ok(json!(lenses::code_lenses(&shown)))
     }
 
     fn formatting(&self, parameters: Value) -> Result<Value, Failure> {

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use crate::codes::Code;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Remedy};
 use crate::settings::repeated;
 use crate::source::Span;
 use crate::syntax::ast::{self, View};
@@ -53,7 +53,8 @@ pub fn reject_repeats(block: Node, report: &mut Vec<Diagnostic>) {
                 )
                 .label("said again")
                 .context(*first, "said first here")
-                .hint("remove one of them"),
+                .hint("remove one of them")
+                .remedy(Remedy::Remove),
             ),
             None => _ = seen.insert(kind, (span, word)),
         }
@@ -85,6 +86,7 @@ pub fn missing<'a, S: View<'a>>(
     report.push(
         Diagnostic::new(Code::MissingStatement, name, format!("{what} has no {lacks}"))
             .label(format!("has no {lacks}"))
-            .hint(format!("say `{example}`")),
+            .hint(format!("say `{example}`"))
+            .remedy(Remedy::SayInside(example.to_string())),
     );
 }

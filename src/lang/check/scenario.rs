@@ -17,7 +17,7 @@ use super::same_as::check_same_as;
 use super::vehicle::{check_starts, vehicle, write_vehicle};
 use super::{draw, group, runs, variation};
 use crate::codes::Code;
-use crate::diagnostic::{Diagnostic, nearest};
+use crate::diagnostic::{Diagnostic, Remedy, nearest};
 use crate::source::Span;
 use crate::syntax::ast;
 use crate::texts::{NameDefinition, Names};
@@ -524,7 +524,8 @@ fn unused(
             report.push(
                 Diagnostic::new(Code::UnusedName, name.span(), format!("`{}` is never used", name.text()))
                     .label("not used in this scenario")
-                    .hint("remove it, or use it"),
+                    .hint("remove it, or use it")
+                    .remedy(Remedy::Remove),
             );
         }
     }

@@ -7,7 +7,7 @@ use super::lexer::{self, Token, TokenKind};
 use super::tree::{Grammar, Node, Rule, Tree};
 use super::words::{self as statements, StatementEntry};
 use crate::codes::Code;
-use crate::diagnostic::{Diagnostic, MOST_FINDINGS, nearest};
+use crate::diagnostic::{Diagnostic, MOST_FINDINGS, Remedy, nearest};
 use crate::source::{SourceId, Span};
 
 /// A diagnostic for every statement that is `bad`.
@@ -257,7 +257,7 @@ pub fn unexpected(source: SourceId, offset: usize, text: &str, error: &Error<Rul
         if list.len() > LONGEST_LABEL { "not expected here".to_string() } else { format!("expected {list}") };
     let diagnostic = Diagnostic::new(Code::UnexpectedText, found, message).label(label);
     match near {
-        Some(near) => diagnostic.hint(format!("did you mean `{near}`?")),
+        Some(near) => diagnostic.hint(format!("did you mean `{near}`?")).remedy(Remedy::Replace(near)),
         None => diagnostic,
     }
 }

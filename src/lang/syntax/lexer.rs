@@ -4,7 +4,7 @@
 //! is asked, so that its recovery may rely on them.
 
 use crate::codes::Code;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, Remedy};
 use crate::source::{SourceId, Span};
 
 /// Brackets inside brackets beyond this are refused.
@@ -109,7 +109,8 @@ pub fn balance(source: SourceId, text: &str, tokens: &[Token]) -> Vec<Diagnostic
             TokenKind::OpenString => diagnostics.push(
                 Diagnostic::new(Code::UnclosedString, span(token), "this text has no closing quote")
                     .label("begins here and runs to the end of the line")
-                    .hint("put `\"` at its end; a text stays within one line"),
+                    .hint("put `\"` at its end; a text stays within one line")
+                    .remedy(Remedy::AddBehind("\"".to_string())),
             ),
             TokenKind::Open => {
                 if open.len() == DEEPEST_NESTING && !too_deep {
@@ -148,7 +149,8 @@ pub fn balance(source: SourceId, text: &str, tokens: &[Token]) -> Vec<Diagnostic
                         format!("`{}` closes nothing", symbol(token)),
                     )
                     .label("no bracket is open here")
-                    .hint("remove it, or look for one `}` too many above"),
+                    .hint("remove it, or look for one `}` too many above")
+                    .remedy(Remedy::Remove),
                 ),
             },
             _ => {}

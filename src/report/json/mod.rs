@@ -140,6 +140,9 @@ fn suite_object<'v>(report: &'v SuiteReport, requests: &'v Requests) -> Object<'
     if !report.identity.earlier_seeds.is_empty() {
         own.insert("earlier_seeds".into(), plain(&report.identity.earlier_seeds));
     }
+    if !report.identity.texts.is_empty() {
+        own.insert("texts".into(), plain(&report.identity.texts));
+    }
     let mut lists: Vec<(&'static str, List<'v>)> = Vec::new();
     if !report.ratings.is_empty() {
         lists.push(("ratings", list(&report.ratings, |rating| Item::Value(rating_value(rating)))));

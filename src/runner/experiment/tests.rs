@@ -209,6 +209,7 @@ fn suite() -> Suite {
         ratings: Vec::new(),
         controllers: Vec::new(),
         notations: Vec::new(),
+        texts: Vec::new(),
         origin: Origin::default(),
     }
 }

@@ -158,6 +158,7 @@ impl<'a> Runner<'a> {
             set: prepared.suite.set.clone(),
             tested: prepared.suite.tested.clone(),
             earlier_seeds: self.earlier_seeds.get(suite).cloned().unwrap_or_default(),
+            texts: prepared.suite.texts.clone(),
         }
     }
 
