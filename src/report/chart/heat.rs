@@ -65,10 +65,7 @@ impl Heat {
             &[("class", &"chart"), ("viewBox", &frame), ("role", &"group"), ("aria-label", &description)],
         );
         let most = |room: f64| (room / LETTER) as usize;
-        svg.label(
-            &shortened(&self.title, most(WIDTH - 8.0)),
-            &[("class", &"title"), ("x", &4), ("y", &13)],
-        );
+        svg.label(&shortened(&self.title, most(WIDTH - 8.0)), &[("class", &"title"), ("x", &4), ("y", &13)]);
         let across = format!("{} down, {} across", self.y.0, self.x.0);
         svg.label(&shortened(&across, most(WIDTH - 8.0)), &[("class", &"muted"), ("x", &4), ("y", &27)]);
         for (row, name) in self.y.1.iter().enumerate() {

@@ -63,8 +63,7 @@ impl TimeSeries {
 
 impl OverTime {
     pub fn to_svg(&self) -> String {
-        let series: Vec<TimeSeries> =
-            self.series.iter().map(|one| one.between(self.from, self.to)).collect();
+        let series: Vec<TimeSeries> = self.series.iter().map(|one| one.between(self.from, self.to)).collect();
         let high = self.ceiling.unwrap_or(f64::INFINITY);
         let values = series.iter().flat_map(TimeSeries::values).filter(|value| *value <= high);
         // A bound is in the picture, so that who looks sees whether it was kept; so is whatever is marked.

@@ -317,14 +317,7 @@ impl Panel {
     }
 
     /// The marker of a run with its key, if it is one's.
-    pub fn run_marker(
-        &mut self,
-        (x, y): (f64, f64),
-        aside: f64,
-        look: Look,
-        title: &str,
-        run: Option<&str>,
-    ) {
+    pub fn run_marker(&mut self, (x, y): (f64, f64), aside: f64, look: Look, title: &str, run: Option<&str>) {
         let (x, y) = self.place(x, y);
         self.dot(&look.marker(x + aside, y), look, title, run);
     }

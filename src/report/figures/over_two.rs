@@ -98,7 +98,11 @@ impl Data<'_> {
     ) -> Option<Heat> {
         let is_flag = self.kind(index) == Some(&MetricKind::Flag);
         let quantity = self.quantity(index);
-        let of = if is_flag { format!("{}, % of runs", quantity.name) } else { format!("worst {}", quantity.label()) };
+        let of = if is_flag {
+            format!("{}, % of runs", quantity.name)
+        } else {
+            format!("worst {}", quantity.label())
+        };
         let cell = |(trial, value): (&&TrialReport, &Option<f64>)| {
             let place = |(name, values): &Values| {
                 let own = trial.trial.variation.iter().find(|one| one.name == *name)?;

@@ -264,7 +264,12 @@ impl Charts<'_> {
         let strip = |condition: &ConditionResult| {
             let dot = |run: &CaseRun| {
                 let (first, name) = (First::of(run.passed_first.as_deref()), run.case.key.clone());
-                run.outcome.metrics[index].map(|value| Dot { value: measured.charted(value), first, name, is_run: false })
+                run.outcome.metrics[index].map(|value| Dot {
+                    value: measured.charted(value),
+                    first,
+                    name,
+                    is_run: false,
+                })
             };
             let dots: Vec<Dot> = condition.runs.iter().filter_map(dot).collect();
             Strip { name: condition.name.clone(), undefined: condition.runs.len() - dots.len(), dots }

@@ -201,7 +201,9 @@ impl RunPlots {
             }
         };
         let left_out = match to < end {
-            true => format!("{left_out} Nothing is drawn after {to:.1} s; the run went on to {end:.1} s.").trim_start().into(),
+            true => format!("{left_out} Nothing is drawn after {to:.1} s; the run went on to {end:.1} s.")
+                .trim_start()
+                .into(),
             false => left_out,
         };
         let line = |look: Look, name: &str| (look.swatch(true, false), name.to_string());
