@@ -38,6 +38,9 @@ struct File {
     suites: Vec<Suite>,
 }
 
+/// A file of results as it was at a time; `None` where it is none.
+type Kept = (Stamp, Option<Rc<File>>);
+
 #[derive(Debug, Deserialize)]
 struct Tool {
     version: String,
@@ -176,7 +179,7 @@ type Stamp = (Option<SystemTime>, u64);
 /// Files of results, each read once as long as it does not change.
 #[derive(Debug, Default)]
 pub struct LastResults {
-    kept: RefCell<HashMap<PathBuf, (Stamp, Option<Rc<File>>)>>,
+    kept: RefCell<HashMap<PathBuf, Kept>>,
 }
 
 /// The file of results that a run of a file writes, from a root: of one scenario, or of all.

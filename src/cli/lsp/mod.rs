@@ -493,7 +493,7 @@ impl<W: Write> Server<'_, W> {
 
     fn prepare_rename(&self, parameters: Value) -> Result<Value, Failure> {
         let place: TextDocumentPositionParams = serde_json::from_value(parameters)?;
-        Ok(self.asked(&place, false, |asked, text| names::rename_place(asked, text))?)
+        Ok(self.asked(&place, false, names::rename_place)?)
     }
 
     fn rename(&self, parameters: Value) -> Result<Value, Failure> {

@@ -37,14 +37,13 @@ impl Yaml {
 }
 
 /// Reads the one document of a text.
-pub fn read(source: SourceId, text: &str) -> Result<Yaml, Diagnostic> {
+pub fn read(source: SourceId, text: &str) -> Result<Yaml, Box<Diagnostic>> {
     let offsets: Vec<usize> = text.char_indices().map(|(at, _)| at).chain([text.len()]).collect();
     let byte = |index: usize| offsets.get(index).copied().unwrap_or(text.len());
     let range = |mark: Mark| (byte(mark.start.index()), byte(mark.end.index()));
     let bad = |(start, end): (usize, usize), message: String, hint: &str| {
-        Diagnostic::new(Code::BadYaml, Span::new(source, start, end.max(start)), message)
-            .label("here")
-            .hint(hint)
+        let found = Diagnostic::new(Code::BadYaml, Span::new(source, start, end.max(start)), message);
+        Box::new(found.label("here").hint(hint))
     };
     let mut open: Vec<Yaml> = Vec::new();
     let mut root: Option<Yaml> = None;

@@ -17,7 +17,7 @@ pub struct Translation {
 
 /// Translates the YAML `text` of `source`; findings are about the YAML.
 pub fn to_scn(source: SourceId, text: &str) -> Result<Translation, Vec<Diagnostic>> {
-    let document = read(source, text).map_err(|diagnostic| vec![diagnostic])?;
+    let document = read(source, text).map_err(|diagnostic| vec![*diagnostic])?;
     let mut writer = Writer {
         source,
         yaml: text,

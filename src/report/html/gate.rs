@@ -246,7 +246,7 @@ mod tests {
         let same: Vec<Check> = same.into_iter().filter(|check| check.outcome == CheckOutcome::Same).collect();
         assert!(forest(&report.identity, &same).is_none());
         let of_zero = Check { base: 0.0, ..regressed.clone() };
-        assert!(forest(&report.identity, &[of_zero.clone()]).is_none());
+        assert!(forest(&report.identity, std::slice::from_ref(&of_zero)).is_none());
         let figure = forest(&report.identity, &[regressed.clone(), of_zero]).expect("one is drawn");
         assert!(figure.note.contains("1 more are in the tables only"), "{}", figure.note);
         assert_eq!((figure.panels.len(), figure.legend.len()), (1, 1));
