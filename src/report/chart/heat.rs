@@ -1,4 +1,4 @@
-//! Numbers over two variations: a cell each, the darker the worse, with the number in it.
+//! Numbers over two variations: a cell each, the stronger its colour the worse, with the number in it.
 
 use super::panel::{WIDTH, shortened};
 use super::svg::{At, Svg};

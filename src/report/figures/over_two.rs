@@ -54,8 +54,8 @@ impl Data<'_> {
                 }
             }
         }
-        let mut note = "A cell is a trial: the worst value of its runs, or the share of those in which it happened; the darker the \
-                        worse, and ✗ (or ?) where the trial failed (or is inconclusive), whichever criterion that was because of. It leads to the trial's line."
+        let mut note = "A cell is a trial: the worst value of its runs, or the share of those in which it happened; the stronger its \
+                        colour the worse, and ✗ (or ?) where the trial failed (or is inconclusive), whichever criterion that was because of. It leads to the trial's line."
             .to_string();
         if left_out > 0 {
             note += &format!(" {left_out} more are in the tables only.");
