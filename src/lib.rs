@@ -160,10 +160,10 @@ pub mod run {
 pub mod language {
     pub use lang::filter;
     pub use lang::{
-        Completion, Examined, Excerpt, Loaded, NamedValue, Outside, Tree, UNITS, UnitEntry, complete,
-        controllers, count, definition, examine_edited, format, from_yaml, hover, load, named_values,
-        nearest, render, render_all, suite_doc, to_yaml, with_controllers, with_declared, write_comparison,
-        write_scenario,
+        Completion, Examined, Excerpt, Loaded, NamedValue, Outside, Runnable, SymbolKind, TokenColour, Tree,
+        UNITS, UnitEntry, complete, controllers, count, definition, examine_edited, format, from_yaml, hover,
+        load, named_values, nearest, render, render_all, runnables, suite_doc, to_yaml, with_controllers,
+        with_declared, write_comparison, write_scenario,
     };
 }
 

@@ -8,7 +8,7 @@ const WALK: &str = "scenario walk {
   road { lane_width 3.5 m; speed_limit 50 km/h; crossing zebra }
   vehicle av { controller constant_speed; speed 30 km/h }
   pedestrian walker { model scripted; start 1 m from kerb; appears when time_to_arrival(av) = 4 s }
-  horizon 2 s
+  horizon 20 s
   expect { min_distance >= 0 m undefined passes }
 }
 ";

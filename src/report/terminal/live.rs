@@ -124,7 +124,7 @@ mod tests {
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(
             lines[0],
-            "     Running [   3.000s] [======                  ] 1 of 4 units, 10 of 40 runs, 1 failed, more than 9 seconds left"
+            "     Running [   3.000s] [======                  ] 1 of 4 units, 10 of 40 runs, 1 failed, more than 3 seconds left"
         );
         assert!(lines[1].ends_with("zebra/scripted/tta=6s: 9 of 20 runs"), "{text}");
         assert!(lines[2].contains("zebra/search=low_pet: 12 of 48 evaluations, best 1.25"), "{text}");

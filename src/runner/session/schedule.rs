@@ -49,8 +49,10 @@ impl UnitSchedule {
     pub fn first<'n>(mut self, needs: impl Fn(usize) -> &'n [usize], first: &[bool]) -> Self {
         self.first = first.to_vec();
         // Needs come before those who need them.
-        for index in (0..self.first.len()).rev().filter(|index| first[*index]) {
-            needs(index).iter().for_each(|need| self.first[*need] = true);
+        for index in (0..self.first.len()).rev() {
+            if self.first[index] {
+                needs(index).iter().for_each(|need| self.first[*need] = true);
+            }
         }
         let ready = std::mem::take(&mut self.ready);
         self.ready = ready.into_iter().map(|(_, unit)| (self.turn(unit), unit)).collect();
