@@ -17,9 +17,8 @@ use super::syntax::{Node, NodeIndex, Tree};
 use super::value::{self, Binding, NameScope};
 use super::yaml;
 use files::{self, ReadError};
-use scenario::TextDigest;
 use scenario::registry::Registry;
-use sha2::{Digest, Sha256};
+use scenario::{TextDigest, sha256};
 
 /// Larger files are refused.
 pub const LARGEST_FILE: usize = 16 << 20;
@@ -339,8 +338,7 @@ impl<'f> Texts<'f> {
     }
 
     fn note(&self, path: &Path, bytes: &[u8]) {
-        let digest = Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect();
-        self.digests.borrow_mut().insert(path.display().to_string(), digest);
+        self.digests.borrow_mut().insert(path.display().to_string(), sha256(bytes));
     }
 
     /// Every file of which text was read, by name.

@@ -396,14 +396,10 @@ pub fn relative(check: &Check, difference: f64) -> Option<f64> {
 
 /// A size without a sign: `5.2 %` of a mean, `0.3 s` of a mean of 0, `3 points` of a share.
 fn amount(check: &Check, size: f64) -> String {
-    match check.subject {
-        ComparedSubject::Mean if check.base != 0.0 => {
-            format!("{} %", significant(100.0 * size / check.base.abs(), 3))
-        }
-        ComparedSubject::Mean => show(check, size),
-        ComparedSubject::Rate | ComparedSubject::Existence | ComparedSubject::New => {
-            format!("{} points", significant(100.0 * size, 3))
-        }
+    let unit = if check.subject == ComparedSubject::Mean { "%" } else { "points" };
+    match relative(check, size) {
+        Some(size) => format!("{} {unit}", significant(size, 3)),
+        None => show(check, size),
     }
 }
 

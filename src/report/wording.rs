@@ -332,6 +332,17 @@ fn runs_of(trial: &TrialReport) -> String {
     }
 }
 
+/// Word and mark of how something stands.
+pub fn standing_words(standing: Standing) -> (&'static str, &'static str) {
+    match standing {
+        Standing::Judged(verdict) => (verdict_word(verdict), verdict_mark(verdict)),
+        Standing::NotFinished(_) => ("not finished", "■"),
+        Standing::Errored => ("error", "!"),
+        Standing::Skipped => ("skipped", "–"),
+        Standing::NotJudged => ("not judged", "–"),
+    }
+}
+
 /// Word and mark of a trial that was judged, or to which no criterion applied.
 pub fn judged_words(trial: &TrialReport) -> Option<(&'static str, &'static str)> {
     let verdict = trial.verdict()?;

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
 
 use super::{
     Calibrate, ControllerModel, Criterion, DeclaredBend, DeclaredDraw, DeclaredGround, DeclaredOtherRoad,
@@ -81,6 +82,11 @@ pub struct TextDigest {
     pub file: String,
     /// SHA-256 of its bytes, hexadecimal.
     pub sha256: String,
+}
+
+/// By which bytes are known: their SHA-256 in hexadecimal digits.
+pub fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 impl Suite {

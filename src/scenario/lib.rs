@@ -85,7 +85,7 @@ pub use declaration::{
 pub use declared::{
     DeclaredAppearance, DeclaredFollowing, DeclaredPedestrian, DeclaredPlace, DeclaredShape,
     DeclaredVehicleStart, Membership, Model, REAR_AXLE, RunBudget, Samples, SamplingScheme, Scenario, Suite,
-    TestedInstead, TextDigest, Variation, Vehicle, WalksAlong,
+    TestedInstead, TextDigest, Variation, Vehicle, WalksAlong, sha256,
 };
 pub use declared_bend::{BendRadius, DeclaredBend, DeclaredPiece, PieceKind, WIDE};
 pub use declared_road::DeclaredOtherRoad;

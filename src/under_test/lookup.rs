@@ -3,8 +3,6 @@
 use std::env;
 use std::path::{Path, PathBuf};
 
-use sha2::{Digest, Sha256};
-
 use super::start::{StartError, StartProblem};
 use scenario::DeclaredProgram;
 
@@ -33,11 +31,6 @@ pub fn fmu(program: &DeclaredProgram, file: &str) -> Result<Vec<u8>, StartError>
         let hint = "`fmu` is relative to the file that says it";
         StartError::new(StartProblem::CannotStart, program, message, hint)
     })
-}
-
-/// By which bytes are known, in hexadecimal digits.
-pub fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// The file that is started by the first word of a command.

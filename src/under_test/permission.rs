@@ -9,7 +9,7 @@ use thiserror::Error;
 
 use super::lookup;
 use super::start::{StartError, StartProblem};
-use scenario::{DeclaredProgram, ProgramKind};
+use scenario::{DeclaredProgram, ProgramKind, sha256};
 
 /// Names programs that may be started, with commas between them, where nobody is asked.
 pub const ALLOW_RUN: &str = "SCENARIO_RUNNER_ALLOW_RUN";
@@ -99,12 +99,12 @@ pub fn hash(program: &DeclaredProgram) -> String {
         "folder": program.folder,
         "environment": environment,
     });
-    lookup::sha256(what.to_string().as_bytes())
+    sha256(what.to_string().as_bytes())
 }
 
 /// Of the content of a functional mock-up unit; of one that cannot be read, what is the hash of nothing.
 fn fmu_hash(program: &DeclaredProgram, file: &str) -> String {
-    lookup::fmu(program, file).map_or_else(|_| String::new(), |bytes| lookup::sha256(&bytes))
+    lookup::fmu(program, file).map_or_else(|_| String::new(), |bytes| sha256(&bytes))
 }
 
 /// What the user has allowed: one line each, `hash name file`.

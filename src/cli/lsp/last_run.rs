@@ -10,12 +10,11 @@ use std::time::SystemTime;
 
 use serde::Deserialize;
 use serde_json::Value;
-use sha2::{Digest, Sha256};
 
 use super::workspace::Workspace;
 use files::{Disk, Files};
 use report::console::stderr;
-use scenario::TextDigest;
+use scenario::{TextDigest, sha256};
 
 /// Larger files of results are not read, bytes.
 const LARGEST: u64 = 64 << 20;
@@ -55,6 +54,25 @@ struct Suite {
     texts: Vec<TextDigest>,
     record: SuiteRecord,
     trials: Vec<Trial>,
+    #[serde(default)]
+    recorded: Vec<Besides>,
+    #[serde(default)]
+    blocks: Vec<Besides>,
+    #[serde(default)]
+    gates: Vec<Besides>,
+    #[serde(default)]
+    ratings: Vec<Besides>,
+}
+
+/// What there is in a suite besides trials.
+#[derive(Debug, Deserialize)]
+struct Besides {
+    key: String,
+    /// Of a run that was recorded.
+    #[serde(default)]
+    scenario: Option<String>,
+    /// `None` of what asks for nothing.
+    verdict: Option<String>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -136,6 +154,8 @@ pub struct LastResult {
     pub stale: Option<String>,
     /// Of trials, in the order of their first.
     pub verdicts: Vec<(String, usize)>,
+    /// The keys of what did not pass besides trials: runs that were recorded and, of a suite, blocks, gates and ratings.
+    pub besides: Vec<String>,
     /// Why some trials were not judged.
     pub message: Option<String>,
     pub broken: Vec<Broken>,
@@ -146,7 +166,7 @@ impl LastResult {
         self.verdicts.iter().find(|(word, _)| word == verdict).map_or(0, |(_, count)| *count)
     }
 
-    /// In a few words. It passed only if each of its trials did.
+    /// In a few words. It passed only if each of its trials did, and whatever else there is.
     pub fn words(&self) -> String {
         let all: usize = self.verdicts.iter().map(|(_, count)| count).sum();
         let trials = if all == 1 { "1 trial".to_string() } else { format!("{all} trials") };
@@ -159,6 +179,13 @@ impl LastResult {
             }
             failed => format!("failed: {failed} of {trials}"),
         };
+        let result = match &self.besides[..] {
+            [] => result,
+            [first, more @ ..] => {
+                let more = if more.is_empty() { String::new() } else { format!(" and {} more", more.len()) };
+                format!("not passed: {first}{more}; trials {result}")
+            }
+        };
         let set = if self.set.is_empty() { String::new() } else { format!(", with {}", self.set.join(", ")) };
         match &self.stale {
             None => format!("last run {result}{set}"),
@@ -170,6 +197,29 @@ impl LastResult {
     pub fn worst(&self) -> Option<&str> {
         let failed = self.broken.iter().find(|one| one.verdict == "failed" && one.worst.is_some());
         failed.or(self.broken.iter().find(|one| one.worst.is_some()))?.worst.as_deref()
+    }
+}
+
+/// The texts as they are while a request is answered: each is read once, however many results it is compared with.
+pub struct TextsNow<'f> {
+    files: &'f dyn Files,
+    digests: RefCell<HashMap<PathBuf, Option<String>>>,
+}
+
+impl<'f> TextsNow<'f> {
+    pub fn new(files: &'f dyn Files) -> Self {
+        Self { files, digests: RefCell::default() }
+    }
+
+    /// `None` of what cannot be read.
+    fn digest(&self, place: PathBuf) -> Option<String> {
+        let read = |place: &Path| Some(sha256(&self.files.read(place, &ENDINGS, LARGEST_TEXT).ok()?));
+        let mut digests = self.digests.borrow_mut();
+        digests.get(&place).cloned().unwrap_or_else(|| {
+            let digest = read(&place);
+            digests.insert(place, digest.clone());
+            digest
+        })
     }
 }
 
@@ -192,13 +242,13 @@ pub fn results_of(below: &Path, scenario: Option<&str>) -> PathBuf {
 }
 
 impl LastResults {
-    /// What a scenario of a file, or without one everything that was run of it, last came to; texts are those in `files`.
+    /// What a scenario of a file, or without one everything that was run of it, last came to.
     pub fn of(
         &self,
         path: &Path,
         scenario: Option<&str>,
         workspace: &Workspace,
-        files: &dyn Files,
+        texts: &TextsNow,
     ) -> Option<LastResult> {
         let (root, below) = workspace.place(path)?;
         let own =
@@ -211,10 +261,10 @@ impl LastResults {
                 Some(name) => trial.scenario == name && is_file(root, &trial.record.trial.origin.file, path),
                 None => true,
             };
-            let runs = file.suites.iter().filter_map(|suite| last_run(suite, is_of));
+            let runs = file.suites.iter().filter_map(|suite| last_run(suite, scenario, is_of));
             let newest = runs.max_by_key(|(_, run)| run.started)?;
             let (suite, run) = newest;
-            let stale = stale(&file.tool.version, suite, path, root, workspace, files);
+            let stale = stale(&file.tool.version, suite, path, root, workspace, texts);
             Some(LastResult { stale, ..run })
         });
         found.max_by_key(|run| run.started)
@@ -252,7 +302,12 @@ fn is_file(root: &Path, name: &str, path: &Path) -> bool {
     Disk.identity(&root.join(name)) == Disk.identity(path)
 }
 
-fn last_run(suite: &Suite, is_of: impl Fn(&Trial) -> bool) -> Option<(&Suite, LastResult)> {
+/// What came of those trials of a suite, and of what else there is of the scenario, or of all of it.
+fn last_run<'s>(
+    suite: &'s Suite,
+    scenario: Option<&str>,
+    is_of: impl Fn(&Trial) -> bool,
+) -> Option<(&'s Suite, LastResult)> {
     let trials: Vec<&Trial> = suite.trials.iter().filter(|trial| is_of(trial)).collect();
     // Results name every trial, those too that were not selected: a run of others is no run of these.
     trials.iter().find(|trial| trial.verdict != "skipped")?;
@@ -282,6 +337,12 @@ fn last_run(suite: &Suite, is_of: impl Fn(&Trial) -> bool) -> Option<(&Suite, La
             }
         }
     }
+    let others = suite.blocks.iter().chain(&suite.gates).chain(&suite.ratings);
+    let recorded =
+        suite.recorded.iter().filter(|one| scenario.is_none() || one.scenario.as_deref() == scenario);
+    let besides = recorded.chain(others.filter(|_| scenario.is_none()));
+    let is_open = |one: &&Besides| one.verdict.as_ref().is_some_and(|verdict| verdict != "passed");
+    let besides = besides.filter(is_open).map(|one| one.key.clone()).collect();
     let seed = suite.seed.as_str().map_or_else(|| suite.seed.to_string(), str::to_string);
     let run = LastResult {
         started: suite.record.started,
@@ -289,6 +350,7 @@ fn last_run(suite: &Suite, is_of: impl Fn(&Trial) -> bool) -> Option<(&Suite, La
         set: suite.set.clone(),
         stale: None,
         verdicts,
+        besides,
         message: trials.iter().find_map(|trial| trial.message.clone()),
         broken,
     };
@@ -302,7 +364,7 @@ fn stale(
     path: &Path,
     root: &Path,
     workspace: &Workspace,
-    files: &dyn Files,
+    texts: &TextsNow,
 ) -> Option<String> {
     if version != env!("CARGO_PKG_VERSION") {
         return Some(format!("made by version {version}"));
@@ -315,12 +377,57 @@ fn stale(
         if workspace.place(&place).is_none() {
             return Some(format!("{} lies outside of the workspace", text.file));
         }
-        match files.read(&place, &ENDINGS, LARGEST_TEXT) {
-            Ok(bytes) => {
-                let digest: String = Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect();
-                (digest != text.sha256).then(|| format!("{} has changed", text.file))
-            }
-            Err(_) => Some(format!("{} cannot be read", text.file)),
+        match texts.digest(place) {
+            Some(digest) => (digest != text.sha256).then(|| format!("{} has changed", text.file)),
+            None => Some(format!("{} cannot be read", text.file)),
         }
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    fn words(change: impl FnOnce(&mut Value), scenario: Option<&str>) -> String {
+        let origin = json!({ "file": "a.suite", "line": 2, "source_line": "scenario late {" });
+        let mut suite = json!({
+            "seed": 1,
+            "record": { "started": { "secs_since_epoch": 0, "nanos_since_epoch": 0 } },
+            "trials": [{ "scenario": "late", "verdict": "passed", "record": { "trial": { "origin": origin } } }],
+            "recorded": [], "blocks": [], "gates": [],
+        });
+        change(&mut suite);
+        let suite: Suite = serde_json::from_value(suite).unwrap();
+        last_run(&suite, scenario, |_| true).unwrap().1.words()
+    }
+
+    #[test]
+    fn a_suite_whose_gate_failed_did_not_pass_though_its_trials_did() {
+        assert_eq!(words(|_| (), None), "last run passed: 1 trial");
+        let failed = |kind: &'static str| {
+            move |suite: &mut Value| {
+                suite[kind] = json!([{ "key": "a/that", "scenario": "late", "verdict": "failed" }])
+            }
+        };
+        for kind in ["gates", "blocks", "ratings", "recorded"] {
+            assert_eq!(
+                words(failed(kind), None),
+                "last run not passed: a/that; trials passed: 1 trial",
+                "{kind}"
+            );
+        }
+        // A scenario has no gate; what was recorded is of one.
+        assert_eq!(words(failed("gates"), Some("late")), "last run passed: 1 trial");
+        assert!(words(failed("recorded"), Some("late")).starts_with("last run not passed: a/that"));
+        assert_eq!(words(failed("recorded"), Some("early")), "last run passed: 1 trial");
+        // One that asks for nothing fails nothing; several are counted.
+        let rating = |suite: &mut Value| suite["ratings"] = json!([{ "key": "a/points", "verdict": null }]);
+        assert_eq!(words(rating, None), "last run passed: 1 trial");
+        let two = |suite: &mut Value| {
+            suite["gates"] =
+                json!([{ "key": "a/g", "verdict": "failed" }, { "key": "a/h", "verdict": "skipped" }]);
+        };
+        assert!(words(two, None).starts_with("last run not passed: a/g and 1 more;"));
+    }
 }

@@ -5,10 +5,9 @@ use std::path::Path;
 use lsp_types::{Diagnostic, DiagnosticSeverity};
 use serde_json::{Value, json};
 
-use super::last_run::{Broken, LastResult, LastResults, results_of};
+use super::last_run::{Broken, LastResult, LastResults, TextsNow, results_of};
 use super::names::range_in;
 use super::workspace::Workspace;
-use files::Files;
 use lang::{Runnable, runnables};
 
 /// What a document is asked about.
@@ -17,13 +16,13 @@ pub struct Shown<'a> {
     pub text: &'a str,
     pub workspace: &'a Workspace,
     pub runs: &'a LastResults,
-    pub files: &'a dyn Files,
+    pub texts: TextsNow<'a>,
 }
 
 impl Shown<'_> {
     fn last(&self, one: &Runnable) -> Option<LastResult> {
         let scenario = Some(one.name.as_str()).filter(|_| !one.is_suite);
-        self.runs.of(self.path, scenario, self.workspace, self.files)
+        self.runs.of(self.path, scenario, self.workspace, &self.texts)
     }
 }
 

@@ -36,7 +36,7 @@ use document::{Document, changed, offset_of, path_of, position_of, range_of, uri
 use files::{Disk, Overlay};
 use frame::Frame;
 use lang::{self, Code, Diagnostic, Severity, Sources, Tree};
-use last_run::LastResults;
+use last_run::{LastResults, TextsNow};
 use lenses::Shown;
 use names::{AskedName, Refused};
 use report::Sketch;
@@ -383,7 +383,7 @@ impl<W: Write> Server<'_, W> {
             text: &document.text,
             workspace: &self.workspace,
             runs: &self.runs,
-            files: &files,
+            texts: TextsNow::new(&files),
         };
         let last = catch_unwind(AssertUnwindSafe(|| lenses::findings(&shown)));
         by_file.entry(own.clone()).or_default().extend(last.unwrap_or_default());
@@ -553,7 +553,13 @@ impl<W: Write> Server<'_, W> {
         let uri = &parameters.text_document.uri;
         let Some(path) = path_of(uri) else { return Ok(json!([])) };
         let (text, files) = (self.text(uri), self.files());
-        let shown = Shown { path: &path, text, workspace: &self.workspace, runs: &self.runs, files: &files };
+        let shown = Shown {
+            path: &path,
+            text,
+            workspace: &self.workspace,
+            runs: &self.runs,
+            texts: TextsNow::new(&files),
+        };
         Ok(json!(lenses::code_lenses(&shown)))
     }
 

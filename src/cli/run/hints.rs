@@ -59,6 +59,20 @@ pub fn project() -> Exit {
     Exit::Usage
 }
 
+/// Refuses more words than one that name no file.
+pub fn one_filter(filters: &[&String]) -> Result<(), Exit> {
+    if filters.len() < 2 {
+        return Ok(());
+    }
+    let filters: Vec<_> = filters.iter().map(|filter| format!("`{filter}`")).collect();
+    writeln!(stderr(), "error: more than one filter: {}", filters.join(", "));
+    writeln!(
+        stderr(),
+        "help: files end in .suite, .scn or .yaml; give one filter, and use --skip to leave trials out"
+    );
+    Err(Exit::Usage)
+}
+
 /// The suites of this folder and down to two below it; if there are none, the scenarios.
 pub fn found_here() -> Vec<PathBuf> {
     ["suite", "scn"].into_iter().map(files_of).find(|files| !files.is_empty()).unwrap_or_default()

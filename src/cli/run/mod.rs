@@ -129,14 +129,8 @@ pub fn run(arguments: RunArguments, registry: &Registry, program: &Command) -> E
         writeln!(stderr(), "help: name a file, as in `scenario-runner suites/zebra.suite`");
         return Exit::Usage;
     }
-    if filters.len() > 1 {
-        let filters: Vec<_> = filters.iter().map(|filter| format!("`{filter}`")).collect();
-        writeln!(stderr(), "error: more than one filter: {}", filters.join(", "));
-        writeln!(
-            stderr(),
-            "help: files end in .suite, .scn or .yaml; give one filter, and use --skip to leave trials out"
-        );
-        return Exit::Usage;
+    if let Err(exit) = hints::one_filter(&filters) {
+        return exit;
     }
     let colour = arguments.conduct.color.wanted(stderr());
     let expressions = match arguments.select.expressions.read(colour) {

@@ -28,10 +28,8 @@ use scenario::registry::Registry;
 pub fn watch(arguments: &WatchArguments, registry: &Registry) -> Exit {
     let (named, filters): (Vec<&String>, Vec<&String>) =
         arguments.words.iter().partition(|word| load::names_a_file(word));
-    if let [_, second, ..] = &filters[..] {
-        writeln!(stderr(), "error: more than one filter: `{}` and `{second}`", filters[0]);
-        writeln!(stderr(), "help: files end in .suite, .scn or .yaml");
-        return Exit::Usage;
+    if let Err(exit) = hints::one_filter(&filters) {
+        return exit;
     }
     let mut files: Vec<String> = Vec::new();
     for file in named {

@@ -1,6 +1,6 @@
 //! Numbers over two variations: a cell each, the stronger its colour the worse, with the number in it.
 
-use super::panel::{WIDTH, shortened};
+use super::panel::{LETTER, WIDTH, shortened};
 use super::svg::{At, Svg};
 
 /// A heat map.
@@ -26,7 +26,7 @@ pub struct HeatCell {
     pub badness: Option<f64>,
     /// The number.
     pub text: String,
-    /// What is put before the number where it did not pass: ✗ or ?.
+    /// What is put before the number where it did not pass; empty where it did.
     pub mark: &'static str,
     /// All of it in words.
     pub title: String,
@@ -34,13 +34,9 @@ pub struct HeatCell {
     pub target: String,
 }
 
-/// The mark of what failed.
-pub const FAILED: &str = "✗";
-
-/// Pixels: above the cells, of a row, of a letter and below the cells.
+/// Pixels: above the cells, of a row and below the cells.
 const TOP: f64 = 34.0;
 const ROW: f64 = 24.0;
-const LETTER: f64 = 6.2;
 const BOTTOM: f64 = 34.0;
 const RIGHT: f64 = 4.0;
 /// The names on the left take no more than this.
@@ -87,7 +83,7 @@ impl Heat {
             let (x, y) = (left + wide * cell.column as f64, TOP + ROW * cell.row as f64);
             svg.open("a", &[("href", &cell.target), ("aria-label", &cell.title)]);
             let opacity = format!("{:.2}", cell.badness.map_or(0.0, |badness| 0.05 + 0.5 * badness));
-            let class = if cell.mark == FAILED { "cell failed" } else { "cell" };
+            let class = if cell.mark == "✗" { "cell failed" } else { "cell" };
             let (at, up) = (At(x + 1.0), At(y + 1.0));
             let (across, down) = (At(wide - 2.0), At(ROW - 2.0));
             svg.titled(
@@ -132,7 +128,7 @@ mod tests {
             row,
             badness: (column + row > 0).then(|| column as f64 / columns as f64),
             text: if column + row > 0 { format!("{column}.{row}") } else { "–".into() },
-            mark: if column > 1 { FAILED } else { "" },
+            mark: if column > 1 { "✗" } else { "" },
             title: format!("speed={column} tta={row}: <{column}.{row} s>"),
             target: format!("#late/speed={column}/tta={row}"),
         };

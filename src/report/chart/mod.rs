@@ -37,7 +37,7 @@ pub use convergence::{Convergence, Convergences};
 pub use danger::{Danger, OnFront};
 pub use forest::{Forest, ForestRow};
 pub use front::Front;
-pub use heat::{FAILED, Heat, HeatCell};
+pub use heat::{Heat, HeatCell};
 pub use individuals::{COURSES_FROM, CourseLine, FoundDot, IndividualsChart};
 pub use look::{First, LOOKS, LegendEntry, Look};
 pub use mark::PointMark;

@@ -76,7 +76,7 @@ const RIGHT: f64 = 10.0;
 const TOP: f64 = 38.0;
 const BOTTOM: f64 = 44.0;
 /// Mean width of a letter at the chart's font size.
-const LETTER: f64 = 6.2;
+pub const LETTER: f64 = 6.2;
 const LINE: f64 = 12.0;
 
 impl Panel {

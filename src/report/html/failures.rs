@@ -4,7 +4,7 @@ use serde::Serialize;
 
 use super::command::ReplayCommand;
 use crate::groups::{Group, groups};
-use crate::wording::{judged_words, recorded_remark, run_in_words, verdict_mark, verdict_word};
+use crate::wording::{recorded_remark, run_in_words, standing_words, verdict_mark, verdict_word};
 use results::{RecordedReport, Standing, SuiteReport, TrialState, Verdict};
 
 /// More lines of a suite are not written out.
@@ -27,8 +27,9 @@ pub struct FailureLine {
 
 impl FailureLine {
     /// About no criterion.
-    fn plain(class: &'static str, name: String, said: String, command: Option<ReplayCommand>) -> Self {
-        Self { class, mark: mark(class), name, criterion: None, said, worst: None, command }
+    fn plain(standing: Standing, name: String, said: String, command: Option<ReplayCommand>) -> Self {
+        let (class, mark) = standing_words(standing);
+        Self { class, mark, name, criterion: None, said, worst: None, command }
     }
 }
 
@@ -39,40 +40,20 @@ pub fn failure_lines(report: &SuiteReport, animated: &[String]) -> (Vec<FailureL
     lines.extend(groups(report).into_iter().map(|group| group_line(report, &group, animated)));
     lines.extend(unfinished(report, animated));
     for block in &report.blocks {
-        let class = match block.standing() {
-            Standing::Judged(Verdict::Passed) | Standing::Skipped => continue,
-            standing => class(standing),
-        };
+        let standing = block.standing();
+        if matches!(standing, Standing::Judged(Verdict::Passed) | Standing::Skipped) {
+            continue;
+        }
         let said = crate::failure::render_block_failure(&report.identity, block, false);
         let said = said.lines().next().unwrap_or_default().trim_start_matches("error: ").to_string();
         let name = format!("{} {}", block.block.kind(), block.block.name());
         let command = report.identity.block_command(&block.key);
         let command = ReplayCommand::of_block(&block.key, command);
-        lines.push(FailureLine::plain(class, name, said, Some(command)));
+        lines.push(FailureLine::plain(standing, name, said, Some(command)));
     }
     let more = lines.len().saturating_sub(MOST_LINES);
     lines.truncate(MOST_LINES);
     (lines, more)
-}
-
-fn class(standing: Standing) -> &'static str {
-    match standing {
-        Standing::Judged(verdict) => verdict_word(verdict),
-        Standing::NotFinished(_) => "not finished",
-        Standing::Errored => "error",
-        Standing::Skipped => "skipped",
-        Standing::NotJudged => "not judged",
-    }
-}
-
-fn mark(class: &str) -> &'static str {
-    match class {
-        "failed" => verdict_mark(Verdict::Failed),
-        "inconclusive" => verdict_mark(Verdict::Inconclusive),
-        "not finished" => "■",
-        "error" => "!",
-        _ => "–",
-    }
 }
 
 /// Whether a recorded run is a reason not to call a page passed.
@@ -92,7 +73,7 @@ fn recorded_line(report: &SuiteReport, one: &RecordedReport, animated: &[String]
         _ => format!("recorded before, fails again{}", recorded_remark(one)),
     };
     let command = ReplayCommand::of_run(report, &one.recorded.key, animated);
-    Some(FailureLine::plain(class(one.standing()), one.recorded.key.clone(), said, Some(command)))
+    Some(FailureLine::plain(one.standing(), one.recorded.key.clone(), said, Some(command)))
 }
 
 fn group_line(report: &SuiteReport, group: &Group, animated: &[String]) -> FailureLine {
@@ -113,12 +94,13 @@ fn group_line(report: &SuiteReport, group: &Group, animated: &[String]) -> Failu
 fn unfinished(report: &SuiteReport, animated: &[String]) -> Vec<FailureLine> {
     let mut lines: Vec<(FailureLine, usize)> = Vec::new();
     for trial in &report.trials {
-        let (class, said) = match (&trial.state, judged_words(trial)) {
-            (_, Some(_)) | (TrialState::Skipped(_), _) => continue,
-            (TrialState::NotFinished(cut), None) => ("not finished", cut.to_string()),
-            (TrialState::Errored(error), None) => ("error", error.message.to_string()),
-            (TrialState::Judged(_), None) => continue,
+        let said = match &trial.state {
+            TrialState::NotFinished(cut) => cut.to_string(),
+            TrialState::Errored(error) => error.message.to_string(),
+            TrialState::Judged(_) | TrialState::Skipped(_) => continue,
         };
+        let standing = trial.standing();
+        let class = standing_words(standing).0;
         let name = &trial.trial.scenario;
         if let Some((_, count)) =
             lines.iter_mut().find(|(known, _)| known.name == *name && known.class == class)
@@ -128,7 +110,7 @@ fn unfinished(report: &SuiteReport, animated: &[String]) -> Vec<FailureLine> {
         }
         let run = trial.error().and_then(|error| error.faults.first()).map(|fault| fault.run.clone());
         let command = run.map(|key| ReplayCommand::of_run(report, &key, animated));
-        lines.push((FailureLine::plain(class, name.clone(), said, command), 1));
+        lines.push((FailureLine::plain(standing, name.clone(), said, command), 1));
     }
     let told = |(line, count): (FailureLine, usize)| match count {
         1 => line,

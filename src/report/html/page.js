@@ -4,15 +4,17 @@
 (() => {
   const byId = (id) => document.getElementById(id);
 
-  for (const button of document.querySelectorAll(".copy")) {
-    if (!navigator.clipboard) continue;
+  // A button copies the text before it.
+  const copies = (button) => {
+    if (!navigator.clipboard) return;
     button.hidden = false;
     button.addEventListener("click", async () => {
       await navigator.clipboard.writeText(button.previousElementSibling.textContent);
       button.textContent = "copied";
       setTimeout(() => { button.textContent = "copy"; }, 1200);
     });
-  }
+  };
+  document.querySelectorAll(".copy").forEach(copies);
 
   // A click on a heading sorts by that column, another one the other way round. What has no number comes last.
   const key = (row, column) => {
@@ -83,12 +85,9 @@
       code.textContent = figures.dataset.replay.replace("{run}", () => key);
       button.type = "button";
       button.textContent = "copy";
-      button.hidden = !navigator.clipboard;
-      button.addEventListener("click", async () => {
-        await navigator.clipboard.writeText(code.textContent);
-        button.textContent = "copied";
-      });
+      button.hidden = true;
       said.replaceChildren(code, button);
+      copies(button);
       figure.append(said);
     });
   }

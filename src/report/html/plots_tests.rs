@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
+use super::pairs::user_look;
 use super::plots::RunPlots;
+use crate::chart::First;
 use crate::fixture::Session;
 use results::{Critical, Recording, Requests, SuiteReport, choose_runs};
 use scenario::{Claim, Comparison, Criterion, Relation, Settings, Value, WhenUndefined};
@@ -139,6 +141,40 @@ fn the_pair_that_fails_is_drawn_before_one_that_comes_nearer() {
     let legend = plots["legend"].to_string();
     assert!(legend.contains("av and second") && !legend.contains("av and third"), "{legend}");
     assert!(plots["left_out"].as_str().unwrap().contains("1 more pairs"), "{}", plots["left_out"]);
+}
+
+/// A failure at the end of what metrics took their values of is never cut off.
+#[test]
+fn plots_end_after_whatever_metrics_took_their_values_of() {
+    let end = |moment: f64, time: f64| {
+        let mut drawn = two_people().asked("min_ttc", ("min_ttc >= 1.5 s", 1.5), Some(0.4), (time, "walker"));
+        // What the other criteria are about comes late.
+        for trial in &mut drawn.report.trials {
+            Arc::make_mut(&mut trial.trial).criteria.retain(|one| one.text == "min_ttc >= 1.5 s");
+        }
+        let last = *drawn.recording.times.last().unwrap();
+        let reports = [drawn.report];
+        let plots = RunPlots::new(&reports, &drawn.requests, &drawn.recording, Some(moment));
+        let plots = serde_json::to_value(&plots).unwrap();
+        (plots["to"].as_f64().unwrap(), plots["left_out"].to_string(), last)
+    };
+    let (to, said, last) = end(1.0, 1.0);
+    assert!(
+        last > 8.0 && (4.0..last).contains(&to) && said.contains("Nothing is drawn after"),
+        "{to} of {last}: {said}"
+    );
+    let (to, said, last) = end(1.0, last - 0.1);
+    assert!(to == last && !said.contains("Nothing is drawn"), "{to} of {last}: {said}");
+}
+
+#[test]
+fn everybody_who_is_drawn_has_a_look_of_their_own() {
+    let drawn = two_people();
+    let looks: Vec<_> = (0..3).map(|who| user_look(&drawn.recording, who).unwrap()).collect();
+    assert_eq!(looks[0], First::Vehicle.look());
+    assert_eq!(looks[1], First::Pedestrian.look());
+    assert!(looks[2] != looks[0] && looks[2] != looks[1]);
+    assert_eq!(user_look(&drawn.recording, 3), None);
 }
 
 #[test]
