@@ -53,11 +53,12 @@ stty -a > before
 sh -c 'echo $$ > id; exec \"$PROGRAM\" watch a.scn --no-progress'
 echo \"ended with $?\"
 stty -a > after
+echo 'terminal let go'
 ";
         fs::write(at("inner.sh"), inner).unwrap();
         let path = format!("{}:{}", folder.path().display(), std::env::var("PATH").unwrap_or_default());
         let mut child = Command::new("script")
-            .args(["-qfec", "sh inner.sh", "/dev/null"])
+            .args(["-qfc", "sh inner.sh", "/dev/null"])
             .current_dir(folder.path())
             .env("NO_COLOR", "1")
             .env("PATH", path)
@@ -97,7 +98,8 @@ stty -a > after
     /// How it ended, once the terminal is found to be as it was.
     fn ended(mut self) -> String {
         let line = self.line("ended with");
-        assert!(self.child.wait().unwrap().success());
+        // How `script` itself ends is its own affair: it may meet the terminal's end before the shell's.
+        self.line("terminal let go");
         let mode = |name: &str| fs::read_to_string(self.folder.path().join(name)).unwrap();
         assert_eq!(mode("before"), mode("after"));
         assert!(mode("after").contains(" icanon") && mode("after").contains(" echo "));
@@ -107,7 +109,8 @@ stty -a > after
 
 impl Drop for AtTerminal {
     fn drop(&mut self) {
-        let _ = self.child.kill();
+        _ = self.child.kill();
+        _ = self.child.wait();
     }
 }
 
