@@ -4,6 +4,8 @@ mod asked;
 mod block;
 mod calibrate;
 mod command;
+mod diff;
+mod diff_plots;
 mod embed;
 mod estimate;
 mod evaluate;
@@ -29,6 +31,7 @@ mod view;
 
 use std::time::SystemTime;
 
+pub use diff::diff_to_html;
 use minijinja::syntax::SyntaxConfig;
 use minijinja::value::{Serde, Value};
 use minijinja::{Environment, UndefinedBehavior, context};
@@ -37,8 +40,9 @@ use super::{chart, expect_every_trial};
 use files::escape::html_characters;
 use results::Results;
 
-/// The page and its parts.
-const TEMPLATES: [(&str, &str); 13] = [
+/// The pages and their parts.
+const TEMPLATES: [(&str, &str); 14] = [
+    ("diff.html", include_str!("diff.html")),
     ("page.html", include_str!("page.html")),
     ("failures.html", include_str!("failures.html")),
     ("player.html", include_str!("player.html")),
@@ -63,6 +67,11 @@ pub fn to_html(results: &Results) -> String {
     let Results { requests, suites: reports, recordings } = results;
     let started = reports.first().map_or(SystemTime::UNIX_EPOCH, |report| report.started);
     let page = view::Page::new(reports, requests, recordings, started);
+    rendered("page.html", &[include_str!("page.css"), include_str!("player.css")], Serde(page))
+}
+
+/// The page of that name, with these style sheets and those of charts.
+fn rendered(name: &str, styles: &[&str], page: impl Into<Value>) -> String {
     let mut environment = Environment::new();
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
     let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build();
@@ -77,12 +86,12 @@ pub fn to_html(results: &Results) -> String {
     for (name, text) in TEMPLATES {
         environment.add_template(name, text).expect("the template is valid");
     }
-    let template = environment.get_template("page.html").expect("it was added above");
-    let style = format!("{}\n{}\n{}", include_str!("page.css"), include_str!("player.css"), chart::STYLE);
+    let template = environment.get_template(name).expect("it was added above");
+    let style = format!("{}\n{}", styles.join("\n"), chart::STYLE);
     let script = include_str!("page.js");
     template
         .render(context! {
-            page => Serde(page),
+            page => page.into(),
             policy => policy::content_security_policy(&style, script),
             style,
             script,
