@@ -6,6 +6,8 @@ mod calibrate;
 mod command;
 mod diff;
 mod diff_plots;
+#[cfg(test)]
+mod diff_tests;
 mod embed;
 mod estimate;
 mod evaluate;
@@ -119,7 +121,7 @@ mod tests {
     }
 
     /// The page without what has snapshots of its own or is the same for all pages.
-    fn skeleton(page: &str) -> String {
+    pub(super) fn skeleton(page: &str) -> String {
         let mut rest = page.replace(env!("CARGO_PKG_VERSION"), "[version]");
         let platform = format!("{} {}", std::env::consts::OS, std::env::consts::ARCH);
         rest = rest.replace(&platform, "[platform]");
@@ -140,7 +142,7 @@ mod tests {
     }
 
     /// As it stands in the page.
-    fn policy_of(page: &str) -> &str {
+    pub(super) fn policy_of(page: &str) -> &str {
         let content = part(page, "http-equiv=\"Content-Security-Policy\" content=\"", "\">");
         content.split_once("content=\"").expect("it was found with that").1
     }
@@ -290,7 +292,7 @@ mod tests {
     }
 
     /// The part of a page from one text to another.
-    fn part<'a>(page: &'a str, from: &str, to: &str) -> &'a str {
+    pub(super) fn part<'a>(page: &'a str, from: &str, to: &str) -> &'a str {
         let start = page.find(from).unwrap_or_else(|| panic!("no {from}"));
         let length = page[start..].find(to).unwrap_or_else(|| panic!("no {to} after {from}"));
         &page[start..start + length]
@@ -308,30 +310,32 @@ mod tests {
         insta::assert_snapshot!(part(&page, "<table class=\"conditions\">", "</article>"));
     }
 
-    /// Every element that is opened is closed, in order.
     #[test]
     fn pages_are_well_formed() {
+        [page(), page_of_a_paper()].iter().for_each(|page| assert_well_formed(page));
+    }
+
+    /// Every element that is opened is closed, in order.
+    pub(super) fn assert_well_formed(page: &str) {
         const VOID: [&str; 4] = ["meta", "input", "br", "!DOCTYPE"];
-        for page in [page(), page_of_a_paper()] {
-            let mut open: Vec<&str> = Vec::new();
-            let mut rest = page.as_str();
-            while let Some(start) = rest.find('<') {
-                let end = start + rest[start..].find('>').expect("every tag ends");
-                let tag = &rest[start + 1..end];
-                rest = &rest[end + 1..];
-                let name = tag.trim_start_matches('/').split([' ', '/', '\n']).next().unwrap_or_default();
-                if let Some(closed) = tag.strip_prefix('/') {
-                    assert_eq!(open.pop(), Some(closed), "before {}", &rest[..rest.len().min(80)]);
-                } else if !tag.ends_with('/') && !VOID.contains(&name) {
-                    open.push(name);
-                }
-                // Scripts and styles are not markup.
-                if ["script", "style"].contains(&name) && !tag.starts_with('/') {
-                    rest = &rest[rest.find(&format!("</{name}")).expect("it is closed")..];
-                }
+        let mut open: Vec<&str> = Vec::new();
+        let mut rest = page;
+        while let Some(start) = rest.find('<') {
+            let end = start + rest[start..].find('>').expect("every tag ends");
+            let tag = &rest[start + 1..end];
+            rest = &rest[end + 1..];
+            let name = tag.trim_start_matches('/').split([' ', '/', '\n']).next().unwrap_or_default();
+            if let Some(closed) = tag.strip_prefix('/') {
+                assert_eq!(open.pop(), Some(closed), "before {}", &rest[..rest.len().min(80)]);
+            } else if !tag.ends_with('/') && !VOID.contains(&name) {
+                open.push(name);
             }
-            assert!(open.is_empty(), "{open:?} are not closed");
+            // Scripts and styles are not markup.
+            if ["script", "style"].contains(&name) && !tag.starts_with('/') {
+                rest = &rest[rest.find(&format!("</{name}")).expect("it is closed")..];
+            }
         }
+        assert!(open.is_empty(), "{open:?} are not closed");
     }
 
     #[test]

@@ -3,6 +3,8 @@
 mod costs;
 mod lines;
 mod live;
+#[cfg(test)]
+mod pilot_tests;
 mod pilots;
 mod progress;
 mod sparkline;

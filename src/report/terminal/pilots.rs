@@ -25,6 +25,16 @@ impl Pilot {
     }
 }
 
+/// A trial of which other runs are done, and more are to come.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct UnderWay {
+    pub unit: usize,
+    pub done: usize,
+    pub left: usize,
+    /// Of each run, s of wall time.
+    pub cost: f64,
+}
+
 /// Of all trials of which there are any.
 #[derive(Debug, Default)]
 pub(super) struct Pilots {
@@ -75,7 +85,7 @@ impl Pilots {
         let expected = runs as f64 * pilot.mean();
         self.cost += runs as f64 * cost;
         self.expected += expected;
-        self.squares += square_of_error(expected, pilot, runs);
+        self.squares += square_of_error(expected, pilot.made(), runs);
     }
 
     /// How many runs there are of trials that have pilot runs and have yet to begin, without those.
@@ -99,28 +109,22 @@ impl Pilots {
         if freedom < 1.0 { (SCATTER, 3.0) } else { ((squares / freedom).sqrt(), freedom) }
     }
 
-    /// What a second of a run costs, s of wall time, with the square of its relative error in units of what runs scatter; `under_way` are
-    /// trials by their units, with how many of their runs are done and what each cost.
-    fn pace(&self, under_way: &[(usize, usize, f64)]) -> Option<(f64, f64)> {
+    /// What a second of a run costs, s of wall time, with the square of its relative error in units of what runs scatter.
+    fn pace(&self, under_way: &[UnderWay]) -> Option<(f64, f64)> {
         let (mut cost, mut expected, mut squares) = (self.cost, self.expected, self.squares);
-        for (unit, runs, each) in under_way {
-            let Some(pilot) = self.begun.get(unit) else { continue };
-            let one = *runs as f64 * pilot.mean();
-            cost += *runs as f64 * each;
-            expected += one;
-            squares += square_of_error(one, pilot, *runs);
+        for one in under_way {
+            let Some(pilot) = self.begun.get(&one.unit) else { continue };
+            let own = one.done as f64 * pilot.mean();
+            cost += one.done as f64 * one.cost;
+            expected += own;
+            squares += square_of_error(own, pilot.made(), one.done);
         }
         (expected > 0.0 && cost > 0.0).then(|| (cost / expected, squares / (expected * expected)))
     }
 
-    /// What trials that have yet to begin cost: those with pilot runs, and so many `others` with so many runs (at least and at most), of which
-    /// nothing is known but that those with pilot runs are spread over all. It is within that at 95 %; `None` before any trial has begun.
-    pub fn ahead(
-        &self,
-        under_way: &[(usize, usize, f64)],
-        others: usize,
-        (least, most): (usize, usize),
-    ) -> Option<TimeLeft> {
+    /// What all trials still cost: those under way, those with pilot runs that have yet to begin, and so many `others` with so many `runs`, of
+    /// which nothing is known but that those with pilot runs are spread over all. It is within that at 95 %; `None` before any trial has begun.
+    pub fn left(&self, under_way: &[UnderWay], others: usize, runs: usize) -> Option<TimeLeft> {
         let (pace, pace_error) = self.pace(under_way)?;
         let (scatter, freedom) = self.scatter();
         let mut expected = 0.0;
@@ -129,27 +133,33 @@ impl Pilots {
             let left = pilot.runs.saturating_sub(pilot.made());
             let one = left as f64 * pilot.mean();
             expected += one;
-            squares += square_of_error(one, pilot, left);
+            squares += square_of_error(one, pilot.made(), left);
         }
-        let own = if expected > 0.0 { squares / (expected * expected) } else { 0.0 };
-        let error = scatter * (own + pace_error).sqrt();
-        let off = (student_quantile(0.975, freedom) * error + FLOOR).min(1.0);
-        let known = pace * expected;
-        let (mut low, mut high) = (known * (1.0 - off), known * (1.0 + off));
-        if most > 0 {
+        let mut known = pace * expected;
+        let mut variance = pace * pace * (squares + pace_error * expected * expected);
+        for one in under_way {
+            let own = one.left as f64 * one.cost;
+            known += own;
+            // What they cost is taken from the later half of those that are done.
+            variance += square_of_error(own, one.done.div_ceil(2), one.left);
+        }
+        let off = student_quantile(0.975, freedom) * scatter * variance.sqrt() + FLOOR * known;
+        let (mut low, mut high) = (known - off, known + off);
+        if runs > 0 {
             let means: Vec<f64> =
                 self.ahead.values().chain(self.begun.values()).map(|pilot| pace * pilot.mean()).collect();
             let unknown = by_sample(&means, others)?;
-            low += least as f64 * unknown.0;
-            high += most as f64 * unknown.1;
+            low += runs as f64 * unknown.0;
+            high += runs as f64 * unknown.1;
         }
-        Some(TimeLeft { least: low, most: Some(high) })
+        Some(TimeLeft { least: low.max(0.0), most: Some(high) })
     }
 }
 
-/// How far pilot runs are off of so many `runs`, which they expect to take so long, in units of what runs scatter, squared: both scatter.
-fn square_of_error(expected: f64, pilot: &Pilot, runs: usize) -> f64 {
-    expected * expected * (1.0 / pilot.made() as f64 + 1.0 / runs.max(1) as f64)
+/// How far what so many `runs` take is off what it is `expected` to be after so many that are `known`, in units of what runs scatter, squared:
+/// both scatter.
+fn square_of_error(expected: f64, known: usize, runs: usize) -> f64 {
+    expected * expected * (1.0 / known.max(1) as f64 + 1.0 / runs.max(1) as f64)
 }
 
 /// Between what the mean cost of so many `others` lies at 95 %, of which these are a sample; `None` of fewer than two.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use super::costs::Costs;
-use super::pilots::Pilots;
+use super::pilots::{Pilots, UnderWay};
 use super::sparkline::sparkline;
 use super::time_left::TimeLeft;
 use results::{Evaluations, UnitReport, Workload};
@@ -102,6 +102,9 @@ impl Tally {
         let known_time: f64 = known.iter().map(|(runs, cost)| *runs as f64 * cost).sum();
         let trials = (self.outline.trials + self.outline.recorded).saturating_sub(self.begun)
             + running.values().filter(|one| one.runs > 0 && one.cost().is_none()).count();
+        if !self.pilots.is_empty() {
+            return self.left_by_pilots(running, trials, (least, most));
+        }
         let costs: Vec<f64> = known.iter().map(|(_, cost)| *cost).collect();
         // Where it is open how many there are, it may be those under way that end.
         let open = most.saturating_sub(least);
@@ -114,22 +117,26 @@ impl Tally {
             return Some(own);
         }
         let others = least.saturating_sub(known_runs).min(possible);
-        if !self.pilots.is_empty() {
-            let under_way: Vec<(usize, usize, f64)> = running
-                .iter()
-                .filter_map(|(unit, one)| Some((*unit, one.runs_done, one.cost()?)))
-                .collect();
-            let ahead = self.pilots.runs_ahead();
-            let rest = (others.saturating_sub(ahead), possible.saturating_sub(ahead));
-            let left = self.pilots.ahead(&under_way, trials.saturating_sub(self.pilots.trials_ahead()), rest);
-            let Some(TimeLeft { least: low, most }) = left else {
-                return (known_runs > 0).then_some(TimeLeft { least: own.least, most: None });
-            };
-            let low = low * others as f64 / possible as f64;
-            return Some(TimeLeft { least: own.least + low, most: most.map(|most| known_time + most) });
-        }
         let unbegun = self.costs.unbegun(elapsed, &costs, trials, (others, possible));
         Some(TimeLeft { least: own.least + unbegun.least, most: unbegun.most.map(|most| known_time + most) })
+    }
+
+    /// The same where pilot runs were made; so many `trials` have yet to begin.
+    fn left_by_pilots(
+        &self,
+        running: &BTreeMap<usize, Running>,
+        trials: usize,
+        (least, most): (usize, usize),
+    ) -> Option<TimeLeft> {
+        let under_way = running.iter().filter_map(|(unit, one)| {
+            Some(UnderWay { unit: *unit, done: one.runs_done, left: one.runs_left(), cost: one.cost()? })
+        });
+        let under_way: Vec<UnderWay> = under_way.collect();
+        let known = under_way.iter().map(|one| one.left).sum::<usize>() + self.pilots.runs_ahead();
+        let others = trials.saturating_sub(self.pilots.trials_ahead());
+        let left = self.pilots.left(&under_way, others, most.saturating_sub(known))?;
+        // Where it is open how many there are, it may be any that end.
+        Some(TimeLeft { least: left.least * least as f64 / most as f64, ..left })
     }
 }
 
