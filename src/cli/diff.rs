@@ -9,8 +9,8 @@ use clap::Args;
 
 use super::Exit;
 use super::load;
-use super::run::targets;
 use super::one_case::{FoundCase, KeyArguments, could_not_run, look_for, values};
+use super::run::targets;
 use super::set::SetArguments;
 use lang::{Override, Replacement, Style};
 use report::console::{stderr, stdout};
@@ -219,7 +219,10 @@ impl DiffArguments {
             let help = "every run is made by itself, however many its trial has: name another with KEY, as in `…/rep=2`, or give two values of \
                         what it is made of: `--controller av=carla_behavior,idm_aeb`, `--set tta=4s,5s`. `--set repeat=30` of both makes keys \
                         up to `…/rep=30` known";
-            return refused("`repeat` says how many runs a trial has, and makes none of them otherwise".into(), help);
+            return refused(
+                "`repeat` says how many runs a trial has, and makes none of them otherwise".into(),
+                help,
+            );
         }
         if let Some(list) = sides().find(|one| one.is_list()) {
             let help = "give each of the two runs one value, as in `tta=4s,5s`";

@@ -18,8 +18,8 @@ use results::{
 pub use trials::person;
 use trials::{course, trial, word};
 
-use results::judge::{judge, per_run};
 use crate::diff::{DiffSide, RunDiff};
+use results::judge::{judge, per_run};
 use results::{
     Chosen, ContactMoment, Doing, InBoth, OneOfTwo, PartedIn, Parting, PartsBy, Recording, SharedMoment,
     TwoRuns,
@@ -330,7 +330,8 @@ impl Session {
         let (two, trial) = (self.two(), &self.trials[0]);
         let case = trial.cases.get(0);
         let values = [("tta".to_string(), "6 s".to_string())];
-        let side = |otherwise| DiffSide { otherwise, case: &case, values: &values, criteria: &trial.criteria };
+        let side =
+            |otherwise| DiffSide { otherwise, case: &case, values: &values, criteria: &trial.criteria };
         tell(&RunDiff {
             key: &case.key,
             sides: [side("controller av=carla_behavior"), side(otherwise)],

@@ -14,7 +14,8 @@ use super::hostile_texts as texts;
 use super::junit::tests::junit;
 use super::tap::tests::tap;
 use super::{
-    Repository, annotations, diff_to_html, explain, render_gates, render_ratings, render_tables, step_summary, to_html,
+    Repository, annotations, diff_to_html, explain, render_gates, render_ratings, render_tables,
+    step_summary, to_html,
 };
 use files::escape::{terminal, terminal_styled, xml_line};
 use results::{Results, SuiteReport, TrialReport, UnitReport, choose_runs};

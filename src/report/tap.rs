@@ -15,8 +15,8 @@ use super::wording::{
 };
 use files::escape::{tap_description, tap_text, terminal_line, yaml_quoted};
 use results::{
-    BlockReport, BlockState, CutBy, Finding, GateReport, GateState, NotJudged, RatingReport, RatingState, Results,
-    SuiteReport, TrialState, TrialVerdict, Verdict,
+    BlockReport, BlockState, CutBy, Finding, GateReport, GateState, NotJudged, RatingReport, RatingState,
+    Results, SuiteReport, TrialState, TrialVerdict, Verdict,
 };
 
 /// Writes the report as TAP, a test point at a time. An inconclusive trial is `not ok`, and its block says so.

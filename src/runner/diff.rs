@@ -10,8 +10,8 @@ use crate::plan::{PlanError, PlannedTrial, plan_scenario};
 use crate::run::{BatchError, Ran, RunBatch, Wanted};
 use crate::why::contacts;
 use results::{
-    ContactMoment, Doing, InBoth, OneOfTwo, PARTED_LENGTH, PARTED_SPEED, PartedIn, Parting, PartsBy, Recording,
-    SharedMoment, TwoRuns,
+    ContactMoment, Doing, InBoth, OneOfTwo, PARTED_LENGTH, PARTED_SPEED, PartedIn, Parting, PartsBy,
+    Recording, SharedMoment, TwoRuns,
 };
 use scenario::{Assignment, Case, Criterion, Suite, World};
 use sim::{GivenCommand, Happening, Sample, TimelineEvent};

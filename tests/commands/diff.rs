@@ -230,7 +230,10 @@ fn a_page_shows_both_and_how_to_make_it_again() {
 #[test]
 fn a_contact_has_a_row() {
     let said = told(&["--set", "av.controller.braking_distance=0.1m,9m"]);
-    let row = said.lines().find(|line| line.contains("contact in A: av with walker")).unwrap_or_else(|| panic!("{said}"));
+    let row = said
+        .lines()
+        .find(|line| line.contains("contact in A: av with walker"))
+        .unwrap_or_else(|| panic!("{said}"));
     let time = said.split("contacts: in A av with walker at ").nth(1).unwrap().split(',').next().unwrap();
     assert!(row.trim_start().starts_with(time), "{row} {time}");
 }

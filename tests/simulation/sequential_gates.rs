@@ -4,9 +4,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use files::Memory;
 use models::standard;
-use results::{
-    CutBy, Event, Overall, Reporter, Results, Standing, Stopping, SuiteReport, Unheard, Verdict,
-};
+use results::{CutBy, Event, Overall, Reporter, Results, Standing, Stopping, SuiteReport, Unheard, Verdict};
 use runner::project::{Project, ProjectOptions};
 use runner::run::{Executor, Job, Round, Shuffled, Threads};
 use runner::session::{OnDemand, Runner, Selection, Session, measured_trials, units};
@@ -324,8 +322,12 @@ fn courses_of_runs_that_were_looked_at_are_given_once() {
         let results = session.run(&Selection::all(), &mut Unheard).unwrap();
         let mut seen = seen.lock().unwrap().clone();
         seen.sort();
-        let mut made: Vec<String> =
-            results.suites[0].trials.iter().flat_map(|one| &one.outcomes).map(|one| one.key.clone()).collect();
+        let mut made: Vec<String> = results.suites[0]
+            .trials
+            .iter()
+            .flat_map(|one| &one.outcomes)
+            .map(|one| one.key.clone())
+            .collect();
         made.sort();
         assert_eq!(seen, made);
         assert_eq!(made.len() == 180, all, "{}", made.len());

@@ -98,7 +98,9 @@ impl MetricPair<'_> {
 
     /// By how much it is more or less in B, if it is a quantity that both have.
     pub fn change_words(&self) -> Option<String> {
-        let (change, MetricKind::Quantity(dimension)) = (self.change()?, &self.metric.kind) else { return None };
+        let (change, MetricKind::Quantity(dimension)) = (self.change()?, &self.metric.kind) else {
+            return None;
+        };
         let sign = if change > 0.0 { "+" } else { "" };
         Some(format!("{sign}{}", with_unit(change, *dimension)))
     }

@@ -81,8 +81,7 @@ struct MetricRow {
 
 /// Two runs side by side as one HTML file that needs nothing else. `command` makes it again.
 pub fn diff_to_html(run: &RunDiff, command: &str) -> String {
-    let styles =
-        [include_str!("page.css"), include_str!("player.css"), include_str!("diff.css")];
+    let styles = [include_str!("page.css"), include_str!("player.css"), include_str!("diff.css")];
     rendered("diff.html", &styles, Serde(DiffPage::new(run, command)))
 }
 
@@ -108,7 +107,12 @@ impl DiffPage {
             .filter(|pair| pair.shown()[0] != pair.shown()[1])
             .map(|pair| {
                 let ([a, b], change) = (pair.shown(), pair.change_words());
-                MetricRow { metric: pair.reference.label(), a, b, change: change.unwrap_or_else(|| "–".into()) }
+                MetricRow {
+                    metric: pair.reference.label(),
+                    a,
+                    b,
+                    change: change.unwrap_or_else(|| "–".into()),
+                }
             })
             .collect();
         let same = pairs.len() - metrics.len();
@@ -129,7 +133,10 @@ impl DiffPage {
                 format!("upright line: {:.2} s, where they part", parting.time)
             }),
             shown_at: format!("{shown_at:.2} s"),
-            events: events(run).iter().map(|(time, who, what)| format!("{time:.2} s  {who} {what}")).collect(),
+            events: events(run)
+                .iter()
+                .map(|(time, who, what)| format!("{time:.2} s  {who} {what}"))
+                .collect(),
             headings,
             moments,
             facts: facts(run),
@@ -212,7 +219,8 @@ fn why(run: &RunDiff, told: &[RunTold; 2], criteria: &[diff::CriterionInBoth]) -
             time: Some(contact.time),
         }));
     }
-    let flips = |text: &str| criteria.iter().any(|one| one.flips && text.contains(&format!("“{}”", one.criterion)));
+    let flips =
+        |text: &str| criteria.iter().any(|one| one.flips && text.contains(&format!("“{}”", one.criterion)));
     for (letter, one) in LETTERS.into_iter().zip(told) {
         let matters = one.why.iter().filter(|one| one.class != "passed" || flips(&one.text));
         all.extend(matters.map(|one| Why {
@@ -227,7 +235,8 @@ fn why(run: &RunDiff, told: &[RunTold; 2], criteria: &[diff::CriterionInBoth]) -
 /// What happens in both, in the order of time; what happens in both at once is told once.
 fn events(run: &RunDiff) -> Vec<(f64, String, String)> {
     let of = |one: &OneOfTwo| -> Vec<(f64, String, String)> {
-        let told = |event: &sim::TimelineEvent| (event.time, event.who.clone(), quoted(&describe(&event.what)));
+        let told =
+            |event: &sim::TimelineEvent| (event.time, event.who.clone(), quoted(&describe(&event.what)));
         one.recording.events.iter().map(told).collect()
     };
     let (a, b) = (of(&run.two.a), of(&run.two.b));
@@ -290,7 +299,8 @@ fn embedded(run: &RunDiff, told: &[RunTold; 2], why: &[Why], moment: Option<f64>
     let mut sides: Vec<serde_json::Value> = each.collect();
     let told = events(run);
     sides[0]["why"] = why.iter().map(|one| json!([one.class, one.text, one.time])).collect();
-    sides[0]["events"] = told.iter().map(|(time, who, what)| json!([embed::rounded(*time), who, what])).collect();
+    sides[0]["events"] =
+        told.iter().map(|(time, who, what)| json!([embed::rounded(*time), who, what])).collect();
     sides[1]["why"] = json!([]);
     sides[1]["events"] = json!([]);
     let texts: Vec<String> = sides.into_iter().map(embed::script_text).collect();

@@ -85,7 +85,8 @@ impl DiffPlots {
             left_out.push(format!("Pairs of which nothing is drawn: {pairs_left_out}."));
         }
         if to < end {
-            left_out.push(format!("Nothing is drawn after {to:.1} s; the runs went on to {end:.1} s at most."));
+            left_out
+                .push(format!("Nothing is drawn after {to:.1} s; the runs went on to {end:.1} s at most."));
         }
         Self { from: 0.0, to, panels: panels.into_iter().flatten().collect(), left_out: left_out.join(" ") }
     }

@@ -40,7 +40,8 @@ impl Timed {
         let mut time = 0.0;
         let mut made = vec![0; self.trials.len()];
         'pilots: for round in 0..if pilots { PILOT_RUNS } else { 0 } {
-            let all: Vec<usize> = (0..self.trials.len()).filter(|unit| self.trials[*unit].len() > round).collect();
+            let all: Vec<usize> =
+                (0..self.trials.len()).filter(|unit| self.trials[*unit].len() > round).collect();
             for some in all.chunks(self.threads) {
                 if time > PILOT_TIME {
                     break 'pilots;
@@ -56,7 +57,8 @@ impl Timed {
         for (unit, runs) in self.trials.iter().enumerate() {
             let mut last = 0.0_f64;
             for (index, took) in runs.iter().enumerate().skip(made[unit]) {
-                let worker = (0..self.threads).min_by(|one, other| free[*one].total_cmp(&free[*other])).unwrap();
+                let worker =
+                    (0..self.threads).min_by(|one, other| free[*one].total_cmp(&free[*other])).unwrap();
                 if index == made[unit] {
                     events.push((free[worker], Happens::Begins(unit)));
                 }
@@ -162,12 +164,16 @@ fn one_time_is_right_within_30_per_cent_and_ranges_hold_the_truth() {
         for scatter in [0.1, 0.5] {
             for threads in [1, 2] {
                 let score = score(trials, runs, scatter, threads, true);
-                let what = format!("{trials} trials of {runs} runs ± {scatter}, {threads} threads: {score:?}");
+                let what =
+                    format!("{trials} trials of {runs} runs ± {scatter}, {threads} threads: {score:?}");
                 eprintln!("{what}");
                 assert!(score.wrong * 20 <= score.all(), "{what}");
                 assert!(score.missed * 20 <= score.all(), "{what}");
                 // Where runs of a trial hardly scatter, or there are many, it is mostly one time.
-                assert!(scatter > 0.2 || runs == 60 || runs == 20 || score.right * 5 > 4 * score.all(), "{what}");
+                assert!(
+                    scatter > 0.2 || runs == 60 || runs == 20 || score.right * 5 > 4 * score.all(),
+                    "{what}"
+                );
                 assert!(score.open * 20 <= score.all(), "{what}");
             }
         }

@@ -170,6 +170,7 @@ fn by_sample(costs: &[f64], others: usize) -> Option<(f64, f64)> {
     let number = costs.len() as f64;
     let mean = costs.iter().sum::<f64>() / number;
     let variance = costs.iter().map(|cost| (cost - mean) * (cost - mean)).sum::<f64>() / (number - 1.0);
-    let off = student_quantile(0.975, number - 1.0) * (variance * (1.0 / others.max(1) as f64 + 1.0 / number)).sqrt();
+    let off = student_quantile(0.975, number - 1.0)
+        * (variance * (1.0 / others.max(1) as f64 + 1.0 / number)).sqrt();
     Some(((mean - off).max(0.0), mean + off))
 }

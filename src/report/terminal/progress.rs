@@ -74,7 +74,8 @@ impl Tally {
         if left.1 > 0 {
             parts.push(self.runs_left(running, elapsed, left)?);
         }
-        let blocks: Vec<TimeLeft> = running.values().filter_map(|one| one.left(one.begun.elapsed())).collect();
+        let blocks: Vec<TimeLeft> =
+            running.values().filter_map(|one| one.left(one.begun.elapsed())).collect();
         // Of a block that has not begun, or of which nothing is known yet, nobody knows how long it takes.
         let is_known = blocks.len() >= blocks_left;
         parts.extend(blocks);
@@ -94,10 +95,8 @@ impl Tally {
         if self.runs_done == 0 || elapsed.as_secs_f64() < PATIENCE {
             return None;
         }
-        let known: Vec<(usize, f64)> = running
-            .values()
-            .filter_map(|one| Some((one.runs_left(), one.cost()?)))
-            .collect();
+        let known: Vec<(usize, f64)> =
+            running.values().filter_map(|one| Some((one.runs_left(), one.cost()?))).collect();
         let known_runs: usize = known.iter().map(|(runs, _)| runs).sum();
         let known_time: f64 = known.iter().map(|(runs, cost)| *runs as f64 * cost).sum();
         let trials = (self.outline.trials + self.outline.recorded).saturating_sub(self.begun)
@@ -477,7 +476,8 @@ mod tests {
             let outline = Workload { trials: 1, runs, certain_runs, ..Workload::default() };
             let mut tally = Tally { outline, begun: 1, ..Tally::default() };
             let mut running = BTreeMap::from([(0, Running::new("a", runs))]);
-            (1..=100).for_each(|run| tally.run_done(0, running.get_mut(&0), Duration::from_millis(100 * run)));
+            (1..=100)
+                .for_each(|run| tally.run_done(0, running.get_mut(&0), Duration::from_millis(100 * run)));
             tally.left(&running, Duration::from_secs(10)).unwrap()
         };
         let said = left(400, 120);

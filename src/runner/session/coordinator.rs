@@ -57,7 +57,8 @@ impl<'a> Runner<'a> {
         });
         let mut chosen = orders.chosen.to_vec();
         looked.called_off.iter().for_each(|(unit, _)| chosen[*unit] = false);
-        let pilots = orders.memory.filter(|_| orders.pilot).map(|memory| self.pilot(units, &chosen, memory, reporter));
+        let pilots =
+            orders.memory.filter(|_| orders.pilot).map(|memory| self.pilot(units, &chosen, memory, reporter));
         let mut reporting = Reporting::new(self, units, orders.every_trial, reporter).after(&looked.told);
         let mut told = looked.told;
         told.extend(pilots.into_iter().flatten());

@@ -12,8 +12,8 @@ use files::Files;
 use results::judge::baseline::{Baseline, Incompatible};
 use results::judge::gate::judge_gate;
 use results::{
-    Event, GateReport, GateState, NotJudged, Refusal, Reporter, Skip, SuiteIdentity, SuiteReport, TrialReport, TrialState,
-    is_use, is_value, record_command,
+    Event, GateReport, GateState, NotJudged, Refusal, Reporter, Skip, SuiteIdentity, SuiteReport,
+    TrialReport, TrialState, is_use, is_value, record_command,
 };
 use scenario::{Gate, Suite};
 

@@ -86,7 +86,10 @@ fn spread(all: usize, wanted: usize) -> impl Iterator<Item = usize> {
         0 => 0,
         bits => index.reverse_bits() >> (usize::BITS - bits),
     };
-    (0..1_usize << bits).map(reversed).filter(move |place| *place < wanted).map(move |place| place * all / wanted)
+    (0..1_usize << bits)
+        .map(reversed)
+        .filter(move |place| *place < wanted)
+        .map(move |place| place * all / wanted)
 }
 
 #[cfg(test)]

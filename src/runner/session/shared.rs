@@ -15,8 +15,8 @@ use crate::run::{
 };
 use files::{Disk, Files};
 use results::{
-    BlockReport, BlockState, Cut, Outcome, RecordedReport, RecordedState, Requests, Skip, SuiteIdentity, TrialReport,
-    TrialState, TriedSeed, UnitError, UnitReport,
+    BlockReport, BlockState, Cut, Outcome, RecordedReport, RecordedState, Requests, Skip, SuiteIdentity,
+    TrialReport, TrialState, TriedSeed, UnitError, UnitReport,
 };
 use scenario::registry::Registry;
 use scenario::{Block, Case};
