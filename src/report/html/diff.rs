@@ -210,12 +210,12 @@ fn first_failure(told: &[RunTold; 2]) -> Option<f64> {
 fn why(run: &RunDiff, told: &[RunTold; 2], criteria: &[diff::CriterionInBoth]) -> Vec<Why> {
     let mut all: Vec<Why> = diff::partings(run)
         .into_iter()
-        .map(|(text, time)| Why { class: "inconclusive", text: quoted(&text), time })
+        .map(|(text, time)| Why { class: "parts", text: quoted(&text), time })
         .collect();
     for (letter, one, _) in both(run) {
         all.extend(one.contacts.iter().map(|contact| Why {
             class: "failed",
-            text: format!("{letter}: {}", diff::contact_words(contact)),
+            text: format!("{letter}: contact, {}", diff::contact_words(contact)),
             time: Some(contact.time),
         }));
     }

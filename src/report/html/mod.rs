@@ -121,7 +121,7 @@ mod tests {
     }
 
     /// The page without what has snapshots of its own or is the same for all pages.
-    pub(super) fn skeleton(page: &str) -> String {
+    fn skeleton(page: &str) -> String {
         let mut rest = page.replace(env!("CARGO_PKG_VERSION"), "[version]");
         let platform = format!("{} {}", std::env::consts::OS, std::env::consts::ARCH);
         rest = rest.replace(&platform, "[platform]");
