@@ -1,6 +1,7 @@
 //! `scenario-runner diff KEY`: one run with two controllers or two values, on the same noise, and where the two part.
 
 use std::collections::BTreeSet;
+use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -9,11 +10,13 @@ use clap::Args;
 use super::Exit;
 use super::load;
 use super::one_case::{FoundCase, KeyArguments, could_not_run, look_for, values};
+use super::run::targets;
 use super::set::SetArguments;
 use lang::{Override, Replacement, Style};
 use report::console::{stderr, stdout};
 use report::{
-    BaselineDiff, DiffSide, RunDiff, baseline_diff_json, diff_json, render_baseline_diff, render_diff,
+    BaselineDiff, DiffSide, RunDiff, baseline_diff_json, diff_json, diff_to_html, render_baseline_diff,
+    render_diff,
 };
 use results::Requests;
 use results::judge::baseline::Baseline;
@@ -40,11 +43,15 @@ Examples:
   scenario-runner diff KEY --set av.controller.braking_distance=4m,6m --set av.speed=40km/h
   scenario-runner diff KEY --baseline zebra.json               what a baseline keeps of the run, and what it is now
   scenario-runner diff KEY --set tta=4s,5s --json              as JSON, with everybody at every moment told
+  scenario-runner diff KEY --set tta=4s,5s --html parts.html   and as a page: both replays side by side, plots with both courses
+
+A page opens in any browser, from the file: one sentence says what parts, when, and which criterion flips; both runs move
+under one slider; in the plots A is drawn through and B dashed. It needs no network, and no JavaScript to be read.
 
 The noise is that of KEY as the files have it: with another value the run may have another name, and a seed
 of its own when its suite is run.
 
-Exit codes: 0 told, whether they part or not, 3 the files have errors, 4 no such run, 103 not in the baseline, 100 one does not come to its end")]
+Exit codes: 0 told, whether they part or not, 3 the files have errors, 4 no such run, 103 not in the baseline, 100 one does not come to its end, 110 the page cannot be written")]
 pub struct DiffArguments {
     #[command(flatten)]
     run: KeyArguments,
@@ -70,6 +77,10 @@ pub struct DiffArguments {
     /// Say it as JSON, with everybody at every moment that is told, and every metric.
     #[arg(long)]
     json: bool,
+
+    /// Write a page, too, with both runs side by side. A baseline has no courses that could be drawn.
+    #[arg(long, value_name = "FILE", conflicts_with = "baseline")]
+    html: Option<PathBuf>,
 }
 
 /// What is said of both runs, or one thing for each.
@@ -116,6 +127,19 @@ fn apart(text: &str) -> Vec<&str> {
     parts
 }
 
+/// As it is written: `tta=4s,5s`.
+impl<T: fmt::Display> fmt::Display for Alternatives<T> {
+    fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Both(both) => write!(out, "{both}"),
+            Self::Each([a, b]) => {
+                let b = b.to_string();
+                write!(out, "{a},{}", b.split_once('=').map_or(&*b, |(_, value)| value))
+            }
+        }
+    }
+}
+
 impl<T> Alternatives<T> {
     fn of(&self, side: usize) -> &T {
         match self {
@@ -155,6 +179,20 @@ impl DiffArguments {
         self.set.iter().map(|one| one.of(0).name.as_str()).collect()
     }
 
+    /// What to type to lay the two side by side again.
+    fn command(&self, files: &[String]) -> String {
+        // Within single quotes a shell leaves everything alone but the quote itself.
+        let quoted = |text: &str| format!("'{}'", text.replace('\'', r"'\''"));
+        let mut command = format!("scenario-runner diff {}", quoted(&self.run.key));
+        files.iter().for_each(|file| command += &format!(" {}", quoted(file)));
+        self.run.seed.iter().for_each(|seed| command += &format!(" --seed {seed}"));
+        let mut option = |name: &str, said: &str| command += &format!(" --{name} {}", quoted(said));
+        self.controller.iter().for_each(|one| option("controller", &one.to_string()));
+        self.uses.iter().for_each(|file| option("use", &file.to_string_lossy()));
+        self.set.iter().for_each(|one| option("set", &one.to_string()));
+        command
+    }
+
     /// What cannot be asked; it goes to stderr.
     fn check(&self) -> Result<(), Exit> {
         let refused = |message: String, help: &str| {
@@ -177,6 +215,15 @@ impl DiffArguments {
             let help = "`--seed` gives the suite another seed, for both runs";
             return refused("both runs are made with the seed of the run, which is not set".into(), help);
         }
+        if self.set.iter().any(|one| one.is_each() && one.of(0).name == "repeat") {
+            let help = "every run is made by itself, however many its trial has: name another with KEY, as in `…/rep=2`, or give two values of \
+                        what it is made of: `--controller av=carla_behavior,idm_aeb`, `--set tta=4s,5s`. `--set repeat=30` of both makes keys \
+                        up to `…/rep=30` known";
+            return refused(
+                "`repeat` says how many runs a trial has, and makes none of them otherwise".into(),
+                help,
+            );
+        }
         if let Some(list) = sides().find(|one| one.is_list()) {
             let help = "give each of the two runs one value, as in `tta=4s,5s`";
             return refused(format!("`{list}` gives several values, and a run has one"), help);
@@ -193,6 +240,10 @@ fn tell(arguments: &DiffArguments, registry: &Registry) -> Result<Exit, Exit> {
     arguments.check()?;
     let run = &arguments.run;
     let files = run.files("diff")?;
+    if let Some(complaint) = arguments.html.as_deref().and_then(|path| page_refused(path, &files)) {
+        writeln!(stderr(), "error: {complaint}");
+        return Err(Exit::Usage);
+    }
     if let Some(path) = &arguments.baseline {
         return beside_baseline(arguments, &files, path, registry);
     }
@@ -258,7 +309,19 @@ fn tell(arguments: &DiffArguments, registry: &Registry) -> Result<Exit, Exit> {
     } else {
         write!(stdout(), "{}", render_diff(&told));
     }
+    if let Some(path) = &arguments.html {
+        files::write(path, &diff_to_html(&told, &arguments.command(&files))).map_err(|error| {
+            writeln!(stderr(), "error: cannot write {}: {error}", path.display());
+            Exit::Output
+        })?;
+    }
     Ok(Exit::Success)
+}
+
+/// Why a page may not be written there.
+fn page_refused(path: &Path, files: &[String]) -> Option<String> {
+    let read: Vec<&str> = files.iter().map(String::as_str).collect();
+    targets::check(&[("--html", path)], &read).err()
 }
 
 /// The run as it is now, beside what a baseline keeps of it.
@@ -424,5 +487,9 @@ mod tests {
         assert!(both("av=a,b,c")[0].contains("has 3 values"), "{:?}", both("av=a,b,c"));
         assert!(both("av=a,")[0].contains("names no controller"));
         assert!(both("av")[0].contains("names no controller"));
+        // What is written again is what was said.
+        for said in ["av=a,b", "av=a { x: 1 m, y: 2 m }", "av=a { x: 1 m },b { word: \"c,d\" }"] {
+            assert_eq!(said.parse::<Alternatives<Replacement>>().unwrap().to_string(), said);
+        }
     }
 }

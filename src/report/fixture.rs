@@ -18,12 +18,16 @@ use results::{
 pub use trials::person;
 use trials::{course, trial, word};
 
+use crate::diff::{DiffSide, RunDiff};
 use results::judge::{judge, per_run};
-use results::{Chosen, Recording};
+use results::{
+    Chosen, ContactMoment, Doing, InBoth, OneOfTwo, PartedIn, Parting, PartsBy, Recording, SharedMoment,
+    TwoRuns,
+};
 use runner::plan::PlannedTrial;
 use scenario::{Block, Case, Gate, MetricReference, Rating, Search, TextDigest, Tune};
 use sim::measure::Presence;
-use sim::{Ending, StopReason};
+use sim::{Ending, Happening, StopReason, TimelineEvent};
 
 /// The trials, and what reports borrow from.
 pub struct Session {
@@ -276,6 +280,65 @@ impl Session {
             (chosen, course(&case))
         };
         chosen.into_iter().map(recording).collect()
+    }
+
+    /// A run made in two ways: in B the pedestrian is faster, and is touched.
+    pub fn two(&self) -> TwoRuns {
+        let trial = &self.trials[0];
+        let (case, outcomes) = (trial.cases.get(0), self.outcomes(trial));
+        let side = |index: usize| {
+            let recording = Recording { case: case.clone(), ..course(&trial.cases.get(index)) };
+            let outcome = Outcome { key: case.key.clone(), seed: case.seed, ..outcomes[index].clone() };
+            OneOfTwo { outcome, contacts: Vec::new(), recording }
+        };
+        let (a, mut b) = (side(0), side(2));
+        let (vehicle, with) = ("av".to_string(), "walker".to_string());
+        b.contacts.push(ContactMoment {
+            time: 6.25,
+            vehicle: vehicle.clone(),
+            with: with.clone(),
+            relative_speed: 8.0,
+            speed: 8.0,
+            place: (0.0, 0.0),
+        });
+        let what = Happening::Collides { with: vehicle, relative_speed: 8.0 };
+        b.recording.events.push(TimelineEvent { time: 6.25, who: with.clone(), what });
+        let parting = |time, apart| Parting {
+            time,
+            by: vec![PartsBy {
+                who: with.clone(),
+                what: PartedIn::Motion { apart, relative_speed: 0.4, a: 1.0, b: 1.4 },
+            }],
+        };
+        let doing = |y| Doing { x: 0.0, y, speed: 1.0, activity: "walks".into() };
+        let moment = |time, a, b| SharedMoment {
+            time,
+            each: vec![InBoth { who: with.clone(), a: Some(doing(a)), b: Some(doing(b)) }],
+        };
+        TwoRuns {
+            a,
+            b,
+            differs: vec!["av.controller: carla_behavior -> idm_<aeb>".into()],
+            first: Some(parting(1.025, 0.01)),
+            apart: Some(parting(1.25, 0.1)),
+            moments: vec![moment(0.0, -4.0, -4.0), moment(1.25, -3.75, -3.65), moment(6.25, 1.25, 3.35)],
+        }
+    }
+
+    /// What it is told with; B is otherwise by what is said.
+    pub fn with_diff<T>(&self, otherwise: &str, tell: impl FnOnce(&RunDiff) -> T) -> T {
+        let (two, trial) = (self.two(), &self.trials[0]);
+        let case = trial.cases.get(0);
+        let values = [("tta".to_string(), "6 s".to_string())];
+        let side =
+            |otherwise| DiffSide { otherwise, case: &case, values: &values, criteria: &trial.criteria };
+        tell(&RunDiff {
+            key: &case.key,
+            sides: [side("controller av=carla_behavior"), side(otherwise)],
+            requests: &self.requests,
+            two: &two,
+            remarks: &[format!("B is made on the noise of `{}`", case.key)],
+        })
     }
 
     fn outcomes(&self, trial: &PlannedTrial) -> Vec<Outcome> {

@@ -67,8 +67,8 @@ pub fn annotations(results: &Results, repository: &Repository) -> String {
         for (key, origin, state) in recorded.chain(trials) {
             match state {
                 TrialState::Skipped(_) => {}
-                // Those that somebody interrupted are counted once for the suite.
-                TrialState::NotFinished(cut) if cut.by() == CutBy::Interrupted => {}
+                // Those that somebody interrupted are counted once for the suite, and what a gate ended is told with it.
+                TrialState::NotFinished(cut) if cut.by() != CutBy::TimeLimit => {}
                 TrialState::NotFinished(cut) => {
                     let origin = origin.cloned().unwrap_or_else(|| beginning(report));
                     add("error", origin, "not finished".to_string(), format!("{key}: {}", cut.explained()));
@@ -288,7 +288,7 @@ fn suite_summary(text: &mut String, report: &SuiteReport, requests: &Requests) {
         (count(Standing::NotJudged), "– not judged"),
         (count(Standing::Errored), "💥 could not run"),
         (
-            count(Standing::NotFinished(CutBy::Interrupted)) + count(Standing::NotFinished(CutBy::TimeLimit)),
+            standings.iter().filter(|standing| matches!(standing, Standing::NotFinished(_))).count(),
             "⏹ not finished",
         ),
     ];
@@ -378,7 +378,11 @@ fn failures_summary(text: &mut String, report: &SuiteReport) {
     let errors: Vec<_> = report
         .trials
         .iter()
-        .filter(|trial| matches!(trial.state, TrialState::Errored(_) | TrialState::NotFinished(_)))
+        .filter(|trial| match &trial.state {
+            TrialState::Errored(_) => true,
+            TrialState::NotFinished(cut) => cut.by() != CutBy::GateFailed,
+            TrialState::Judged(_) | TrialState::Skipped(_) => false,
+        })
         .collect();
     for group in groups.iter().take(MOST_FAILURES) {
         let title = match group.trials[..] {

@@ -14,7 +14,8 @@ use super::hostile_texts as texts;
 use super::junit::tests::junit;
 use super::tap::tests::tap;
 use super::{
-    Repository, annotations, explain, render_gates, render_ratings, render_tables, step_summary, to_html,
+    Repository, annotations, diff_to_html, explain, render_gates, render_ratings, render_tables,
+    step_summary, to_html,
 };
 use files::escape::{terminal, terminal_styled, xml_line};
 use results::{Results, SuiteReport, TrialReport, UnitReport, choose_runs};
@@ -156,6 +157,23 @@ proptest! {
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(8))]
+
+    #[test]
+    fn a_page_of_two_runs_has_the_elements_that_it_has_without(name in texts::text()) {
+        let elements = |text: &str| {
+            let page = Session::with_names(text).with_diff(text, |run| diff_to_html(run, &format!("diff '{text}'")));
+            assert!(page.chars().all(is_safe));
+            let mut names = BTreeSet::new();
+            for token in Tokenizer::new(&page) {
+                if let Token::StartTag(tag) = token.expect("reading a string cannot fail") {
+                    let attributes: Vec<_> = tag.attributes.keys().map(|name| name.to_vec()).collect();
+                    names.insert((tag.name.to_vec(), attributes));
+                }
+            }
+            names
+        };
+        prop_assert_eq!(elements(&name), elements("x"));
+    }
 
     #[test]
     fn a_page_has_the_elements_that_it_has_without(name in texts::text()) {

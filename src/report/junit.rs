@@ -202,6 +202,7 @@ impl Item<'_> {
 fn kind_of(state: &TrialState) -> TestOutcome {
     match state {
         TrialState::Skipped(_) => TestOutcome::Skipped,
+        TrialState::NotFinished(cut) if cut.by() == CutBy::GateFailed => TestOutcome::Skipped,
         TrialState::NotFinished(_) | TrialState::Errored(_) => TestOutcome::Error,
         TrialState::Judged(judged) if judged.verdict == Verdict::Passed => TestOutcome::Passed,
         TrialState::Judged(_) => TestOutcome::Failure,
@@ -247,6 +248,8 @@ fn trial_case(report: &SuiteReport, trial: &TrialReport, requests: &Requests) ->
 fn problem(report: &SuiteReport, state: &TrialState) -> Option<Problem> {
     Some(match state {
         TrialState::Skipped(reason) => Problem::skipped(&reason.to_string()),
+        // The gate is the test that fails.
+        TrialState::NotFinished(cut) if cut.by() == CutBy::GateFailed => Problem::skipped(&cut.to_string()),
         TrialState::NotFinished(cut) => not_finished(cut),
         TrialState::Errored(error) => errored(error, error.message.clone()),
         TrialState::Judged(judged) if judged.verdict == Verdict::Passed => return None,

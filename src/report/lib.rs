@@ -78,7 +78,7 @@ pub use found::render_search;
 pub use gate::{Replay, render_gate, render_gate_report, render_gates};
 pub use gate_markdown::gate_markdown;
 pub use github::{annotations, step_summary};
-pub use html::to_html;
+pub use html::{diff_to_html, to_html};
 pub use json::{ResultsError, read_results, write_json};
 pub use junit::write_junit;
 pub use models::{render_declared, render_model, render_models};

@@ -15,8 +15,8 @@ use super::wording::{
 };
 use files::escape::{tap_description, tap_text, terminal_line, yaml_quoted};
 use results::{
-    BlockReport, BlockState, Finding, GateReport, GateState, NotJudged, RatingReport, RatingState, Results,
-    SuiteReport, TrialState, TrialVerdict, Verdict,
+    BlockReport, BlockState, CutBy, Finding, GateReport, GateState, NotJudged, RatingReport, RatingState,
+    Results, SuiteReport, TrialState, TrialVerdict, Verdict,
 };
 
 /// Writes the report as TAP, a test point at a time. An inconclusive trial is `not ok`, and its block says so.
@@ -119,6 +119,12 @@ impl Point<'_> {
                 return line(
                     text,
                     &format!("ok {number} - {name} # SKIP {}", tap_description(&reason.to_string())),
+                );
+            }
+            TrialState::NotFinished(cut) if cut.by() == CutBy::GateFailed => {
+                return line(
+                    text,
+                    &format!("ok {number} - {name} # SKIP {}", tap_description(&cut.to_string())),
                 );
             }
             TrialState::Judged(judged) => Some(judged.verdict),

@@ -13,6 +13,8 @@ pub enum CutBy {
     Interrupted,
     /// The wall-clock limit: an error of the machine or of the limit, which says nothing of what is tested.
     TimeLimit,
+    /// A sequential gate of its suite that failed, whatever the rest would have come to.
+    GateFailed,
 }
 
 /// How far a unit came that is not finished. What it had found until then counts nowhere.
@@ -37,6 +39,14 @@ pub enum Cut {
         /// Runs that the trial has.
         runs: usize,
     },
+    /// A sequential gate failed before a trial had all its runs. Those that were made are told with it.
+    #[error("a gate failed after {finished} of {runs} runs")]
+    Gate {
+        /// Runs that were done.
+        finished: usize,
+        /// Runs that the trial has.
+        runs: usize,
+    },
     /// A block; in words, with what is left of it.
     #[error("{0}")]
     Block(String),
@@ -48,13 +58,24 @@ impl Cut {
         match self {
             Self::Trial { .. } | Self::Block(_) => CutBy::Interrupted,
             Self::TimeLimit { .. } => CutBy::TimeLimit,
+            Self::Gate { .. } => CutBy::GateFailed,
+        }
+    }
+
+    /// Runs of a trial that were done.
+    pub fn finished(&self) -> usize {
+        match self {
+            Self::Trial { finished, .. } | Self::TimeLimit { finished, .. } | Self::Gate { finished, .. } => {
+                *finished
+            }
+            Self::Block(_) => 0,
         }
     }
 
     /// All there is to say about it.
     pub fn explained(&self) -> String {
         match self {
-            Self::Trial { .. } | Self::Block(_) => format!("not finished: {self}"),
+            Self::Trial { .. } | Self::Block(_) | Self::Gate { .. } => format!("not finished: {self}"),
             Self::TimeLimit { .. } => format!(
                 "not finished: {self}. `time_limit` is wall-clock time: this machine was too slow, or the limit is too \
                  tight. Nothing is known of the trial; `horizon` is what bounds simulated time."
@@ -69,6 +90,7 @@ impl CutBy {
         match self {
             Self::Interrupted => "interrupted",
             Self::TimeLimit => "time_limit",
+            Self::GateFailed => "gate_failed",
         }
     }
 }

@@ -29,6 +29,15 @@ pub enum Event<'e> {
         /// The unit's index in the session.
         unit: usize,
     },
+    /// A run of a trial was made before that begins, to know what its runs take; that it is done is told besides.
+    PilotRun {
+        /// The unit's index in the session.
+        unit: usize,
+        /// How many runs the trial has.
+        runs: usize,
+        /// What it took by itself.
+        took: Duration,
+    },
     /// A block has got further.
     Evaluated {
         /// The unit's index in the session.
@@ -49,7 +58,7 @@ pub enum Event<'e> {
     Stopping(Stopping),
     /// Nothing happened; time goes on.
     Tick,
-    /// The session is over: the last event.
+    /// All units are over.
     Ended {
         /// What became of every suite.
         reports: &'e [SuiteReport],
@@ -58,6 +67,8 @@ pub enum Event<'e> {
         /// Wall-clock time of the session.
         elapsed: Duration,
     },
+    /// After that, what takes all runs is judged: the key of a gate; `None` once all are.
+    Judging(Option<&'e str>),
 }
 
 /// What is going to be done.

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::outcome::Outcome;
+use super::recording::Recording;
 use super::story::ContactMoment;
 use sim::{Command, Ending, Happening};
 
@@ -44,6 +45,9 @@ pub struct OneOfTwo {
     pub outcome: Outcome,
     /// Every contact of a vehicle, in the order of time.
     pub contacts: Vec<ContactMoment>,
+    /// Its course, to be drawn.
+    #[serde(skip)]
+    pub recording: Recording,
 }
 
 /// A moment at which two runs part.

@@ -91,7 +91,7 @@ pub enum Reason {
 pub struct TrialReport {
     /// What was run.
     pub trial: Arc<Trial>,
-    /// Empty if it was not run.
+    /// Empty if it was not run, or what it had found counts nowhere.
     pub outcomes: Vec<Outcome>,
     /// What it came to.
     pub state: TrialState,
@@ -134,7 +134,11 @@ impl TrialReport {
 
     /// How many runs were made, be it in vain.
     pub fn made(&self) -> usize {
-        self.error().map_or(self.outcomes.len(), UnitError::made)
+        match &self.state {
+            TrialState::Errored(error) => error.made(),
+            TrialState::NotFinished(cut) => cut.finished(),
+            TrialState::Judged(_) | TrialState::Skipped(_) => self.outcomes.len(),
+        }
     }
 
     /// Why it could not be run to its end, if it could not.

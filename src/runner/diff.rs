@@ -10,7 +10,8 @@ use crate::plan::{PlanError, PlannedTrial, plan_scenario};
 use crate::run::{BatchError, Ran, RunBatch, Wanted};
 use crate::why::contacts;
 use results::{
-    Doing, InBoth, OneOfTwo, PARTED_LENGTH, PARTED_SPEED, PartedIn, Parting, PartsBy, SharedMoment, TwoRuns,
+    ContactMoment, Doing, InBoth, OneOfTwo, PARTED_LENGTH, PARTED_SPEED, PartedIn, Parting, PartsBy,
+    Recording, SharedMoment, TwoRuns,
 };
 use scenario::{Assignment, Case, Criterion, Suite, World};
 use sim::{GivenCommand, Happening, Sample, TimelineEvent};
@@ -109,19 +110,22 @@ fn beyond_trial<'c>(suite: &Suite, case: &'c Case) -> &'c str {
 /// If they have different seeds: they would differ by chance; and as runs do.
 pub fn two_runs(batch: RunBatch, a: &Case, b: &Case) -> Result<TwoRuns, BatchError> {
     assert_eq!(a.seed, b.seed, "two runs are laid side by side on the same noise");
-    let ran = [batch.one(a, Wanted::Commands)?, batch.one(b, Wanted::Commands)?];
+    let ran = [batch.one(a, Wanted::Everything)?, batch.one(b, Wanted::Everything)?];
     let [in_a, in_b] = [Side { case: a, ran: &ran[0] }, Side { case: b, ran: &ran[1] }];
     let both = Both { a: in_a, b: in_b };
     let first = both.part(&Least { length: 0.0, speed: 0.0, bits: true });
     let apart = both.part(&Least { length: PARTED_LENGTH, speed: PARTED_SPEED, bits: false });
-    let moments = both.moments(apart.as_ref().or(first.as_ref()));
+    let touched = [both.a, both.b].map(Side::contacts);
+    let moments = both.moments(apart.as_ref().or(first.as_ref()), &touched);
     let differs = differences(a, b);
-    let [in_a, in_b] = [(a, &ran[0]), (b, &ran[1])]
-        .map(|(case, ran)| contacts(case, &ran.events, &ran.trace).collect::<Vec<_>>());
-    let [a, b] = ran;
+    let [(a, in_a), (b, in_b)] = [(a, &ran[0]), (b, &ran[1])].map(|(case, ran)| {
+        let recording = Recording::new(case, &ran.trace, ran.events.clone());
+        (recording.with(ran.details.as_deref()), ran.outcome.clone())
+    });
+    let [of_a, of_b] = touched;
     Ok(TwoRuns {
-        a: OneOfTwo { outcome: a.outcome, contacts: in_a },
-        b: OneOfTwo { outcome: b.outcome, contacts: in_b },
+        a: OneOfTwo { outcome: in_a, contacts: of_a, recording: a },
+        b: OneOfTwo { outcome: in_b, contacts: of_b, recording: b },
         differs,
         first,
         apart,
@@ -134,6 +138,12 @@ pub fn two_runs(batch: RunBatch, a: &Case, b: &Case) -> Result<TwoRuns, BatchErr
 struct Side<'r> {
     case: &'r Case,
     ran: &'r Ran,
+}
+
+impl Side<'_> {
+    fn contacts(self) -> Vec<ContactMoment> {
+        contacts(self.case, &self.ran.events, &self.ran.trace).collect()
+    }
 }
 
 struct Both<'r> {
@@ -295,8 +305,8 @@ impl Both<'_> {
         found
     }
 
-    /// Moments that are spread over the longer run, and the one at which they part.
-    fn moments(&self, parting: Option<&Parting>) -> Vec<SharedMoment> {
+    /// Moments that are spread over the longer run, the one at which they part, and the first contact of each.
+    fn moments(&self, parting: Option<&Parting>, touched: &[Vec<ContactMoment>; 2]) -> Vec<SharedMoment> {
         let [a, b] = [self.a, self.b].map(|side| side.ran.outcome.ending.time);
         let end = a.max(b);
         let step = self.a.case.world.step;
@@ -304,7 +314,8 @@ impl Both<'_> {
             let time = end * number as f64 / (MOMENTS - 1) as f64;
             if number + 1 == MOMENTS { end } else { (time / step).round() * step }
         });
-        let mut times: Vec<f64> = spread.chain(parting.map(|parting| parting.time)).collect();
+        let touch = touched.iter().filter_map(|contacts| contacts.first()).map(|contact| contact.time);
+        let mut times: Vec<f64> = spread.chain(parting.map(|parting| parting.time)).chain(touch).collect();
         times.sort_by(f64::total_cmp);
         times.dedup_by(|one, other| (*one - *other).abs() < SAME);
         let everybody = self.everybody();

@@ -130,6 +130,22 @@ const beside = async (browser, name) => {
   await close();
 };
 
+// Two sides of one run under one slider: both have the same key, and each is drawn by itself.
+const sides = async (browser, name) => {
+  const { page, close } = await open(browser, { reducedMotion: "reduce" }, name);
+  const place = (view) => page.locator(`#${view} g:has(> rect.vehicle)`).first().getAttribute("transform");
+  assert.notStrictEqual(await page.locator("#sentence").textContent(), await page.locator("#sentence2").textContent());
+  await page.locator("#time").fill("0");
+  assert.strictEqual(await place("view"), await place("view2"), `${name}: both begin alike`);
+  const before = await place("view2"), last = await page.locator("#time").getAttribute("max");
+  await page.locator("#time").fill(last);
+  assert.notStrictEqual(await place("view2"), before, `${name}: both move`);
+  assert.notStrictEqual(await place("view"), await place("view2"), `${name}: the two part`);
+  await page.locator("#why button").first().click();
+  assert(await time(page) < +last, `${name}: a moment is gone to`);
+  await close();
+};
+
 // Tables are sorted by a click and by Enter, and filtered.
 const tables = async (browser, name) => {
   const { page, close } = await open(browser, {}, name);
@@ -149,6 +165,26 @@ const tables = async (browser, name) => {
   const left = await column();
   assert(left.length > 0 && left.length < before.length && left.includes(wanted), `${name}: filtered`);
   await close();
+};
+
+// What the page says of two sides is what JSON says: metrics that are lengths, times and speeds.
+const metrics = async (browser, name) => {
+  const told = JSON.parse(fs.readFileSync(path.join(folder, `${name}.json`), "utf8"));
+  const { page, close } = await open(browser, {}, name);
+  const rows = await page.locator("#results .sortable tbody tr").evaluateAll((all) => all.map((row) => [...row.cells].map((cell) => cell.innerText.trim())));
+  let compared = 0;
+  for (const [metric, ...sides] of rows) {
+    const { a, b } = told.metrics.find((one) => one.metric === metric);
+    for (const [text, value] of [[sides[0], a], [sides[1], b]]) {
+      const said = text.match(/^(-?[\d.]+) (m|s|m\/s)$/);
+      if (!said || typeof value !== "number") continue;
+      assert(Math.abs(+said[1] - value) <= 0.006 * Math.abs(value) + 1e-3, `${metric}: ${text} is ${value}`);
+      compared += 1;
+    }
+  }
+  assert(compared > 2, `${compared} metrics of two sides`);
+  await close();
+  return compared;
 };
 
 // What the page says is what JSON says.
@@ -238,7 +274,7 @@ const map = async (browser, name) => {
     for (let name = left.shift(); name; name = left.shift()) {
       await looks(browser, name);
       await quiet(browser, name);
-      const own = await numbers(browser, name);
+      const own = await (name === "diff" ? metrics : numbers)(browser, name);
       compared += own;
       console.log(`${name}: ${WIDTHS.join(", ")} px, light and dark, no script, print, ${own} numbers`);
     }
@@ -247,6 +283,8 @@ const map = async (browser, name) => {
   assert(compared > 20, `${compared} numbers were compared`);
   await player(browser, "zebra_unsafe");
   await beside(browser, "zebra_unsafe");
+  await player(browser, "diff");
+  await sides(browser, "diff");
   await tables(browser, "two_variations");
   await links(browser, "two_variations");
   await map(browser, "two_variations");

@@ -44,6 +44,7 @@ fn run_all(reporter: &mut dyn Reporter, session: &Runner) -> Vec<(String, TrialS
         every_trial: true,
         memory: None,
         lenient: false,
+        pilot: false,
     };
     let mut reports = session.run(&units, &orders, reporter);
     reports.remove(0).trials.into_iter().map(|one| (one.trial.key.clone(), one.state)).collect()

@@ -160,12 +160,15 @@ fn a_baseline_has_metrics_and_no_courses() {
 
 #[test]
 fn wrong_input_is_refused_with_its_cure() {
-    let refused: [(&[&str], i32, &str, &str); 13] = [
+    let refused: [(&[&str], i32, &str, &str); 16] = [
         (&[KEY, "a.scn"], 2, "no option has two values", "--set tta=4s,5s"),
         (&[KEY, "a.scn", "--set", "tta=4s"], 2, "no option has two values", "give two values"),
         (&[KEY, "a.scn", "--set", "tta=1s,2s,3s"], 2, "has 3 values", "one for A and one for B"),
         (&[KEY, "a.scn", "--set", "tta=[1s, 2s],3s"], 2, "gives several values", "one value"),
         (&[KEY, "a.scn", "--set", "tta=4s,5s", "--set", "tta=6s"], 2, "set twice", "leave out one"),
+        (&[KEY, "a.scn", "--set", "repeat=1,2"], 2, "`repeat` says how many runs", "name another with KEY"),
+        (&[KEY, "a.scn", "--set", "tta=4s,5s", "--html", "b.scn"], 2, "would replace a scenario", ""),
+        (&[KEY, "a.scn", "--baseline", "b.json", "--html", "b.html"], 2, "cannot be used with", ""),
         (&[KEY, "a.scn", "--set", "seed=4,5"], 2, "seed of the run", "--seed"),
         (&[KEY, "a.scn", "--set", "tto=4s,5s"], 3, "nothing called `tto`", "did you mean `tta`"),
         (
@@ -197,4 +200,40 @@ fn wrong_input_is_refused_with_its_cure() {
         assert!(said.contains(error) && said.contains(help), "{arguments:?}: {said}");
         assert_eq!(stdout(&output), "");
     }
+}
+
+/// A page of its own, whose command makes it again.
+#[test]
+fn a_page_shows_both_and_how_to_make_it_again() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("a.scn"), FILE).unwrap();
+    let made = |name: &str, arguments: &[&str]| {
+        let output = scenario_runner(folder.path(), &[&["diff"], arguments, &["--html", name]].concat());
+        assert_eq!(code(&output), 0, "{}", stderr(&output));
+        fs::read_to_string(folder.path().join(name)).unwrap()
+    };
+    let more = ["--controller", "av=carla_behavior { braking_distance: 4 m },idm_aeb", "--set", "tta=2s"];
+    let page = made("one.html", &[&[KEY, "a.scn"][..], &more].concat());
+    let command = page.split("id=\"command\">").nth(1).unwrap().split("</code>").next().unwrap();
+    let command = command.replace("&#x27;", "'").replace("&#x2f;", "/").replace("&quot;", "\"");
+    assert_eq!(
+        command,
+        format!(
+            "scenario-runner diff '{KEY}' 'a.scn' --controller 'av=carla_behavior {{ braking_distance: 4 m }},idm_aeb' --set 'tta=2s'"
+        )
+    );
+    assert_eq!(page, made("other.html", &[&[KEY, "a.scn"][..], &more].concat()));
+    assert!(page.contains("contact in ") || page.contains("No contact of a vehicle in either."), "{page}");
+}
+
+/// The course of who is hit ends in the table, too.
+#[test]
+fn a_contact_has_a_row() {
+    let said = told(&["--set", "av.controller.braking_distance=0.1m,9m"]);
+    let row = said
+        .lines()
+        .find(|line| line.contains("contact in A: av with walker"))
+        .unwrap_or_else(|| panic!("{said}"));
+    let time = said.split("contacts: in A av with walker at ").nth(1).unwrap().split(',').next().unwrap();
+    assert!(row.trim_start().starts_with(time), "{row} {time}");
 }

@@ -184,6 +184,7 @@ fn run_by(executor: &dyn Executor, folder: &Path, is_first: fn(usize) -> bool) -
         every_trial: true,
         memory: None,
         lenient: false,
+        pilot: false,
     };
     let mut reports = session.run(&units, &orders, &mut Unheard);
     let baseline = folder.join("everything.json");
@@ -191,7 +192,7 @@ fn run_by(executor: &dyn Executor, folder: &Path, is_first: fn(usize) -> bool) -
         let trials: Vec<_> = reports[0].trials.iter().collect();
         fs::write(&baseline, measured_trials(&session, 0, &trials).unwrap().text()).unwrap();
     }
-    judge_gates(&session, &mut reports, false);
+    judge_gates(&session, &mut reports, false, &mut results::Unheard);
     let failing = reports[0].trials.iter().find_map(|trial| match &trial.state {
         TrialState::Judged(judged) if judged.verdict == Verdict::Failed => Some((trial, &judged.findings)),
         _ => None,

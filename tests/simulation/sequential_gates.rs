@@ -4,7 +4,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use files::Memory;
 use models::standard;
-use results::{Event, Overall, Reporter, Results, Skip, Stopping, SuiteReport, Unheard, Verdict};
+use results::{CutBy, Event, Overall, Reporter, Results, Standing, Stopping, SuiteReport, Unheard, Verdict};
 use runner::project::{Project, ProjectOptions};
 use runner::run::{Executor, Job, Round, Shuffled, Threads};
 use runner::session::{OnDemand, Runner, Selection, Session, measured_trials, units};
@@ -140,10 +140,15 @@ fn a_gate_that_fails_ends_its_suite_and_executors_change_nothing() {
     assert!(runs <= 90, "{runs}");
     assert_eq!(told.stopping, [Stopping::GateFailed]);
     for trial in &first.suites[0].trials {
-        assert_eq!(trial.skip(), Some(&Skip::Stopped(Stopping::GateFailed)));
+        assert_eq!(trial.standing(), Standing::NotFinished(CutBy::GateFailed));
+        assert_eq!(trial.made(), trial.outcomes.len());
     }
+    let made: usize = first.suites[0].trials.iter().map(|trial| trial.made()).sum();
+    assert_eq!((made, first.suites[0].summary().runs()), (runs, runs));
     for threads in [2, 3] {
-        assert_eq!(gates(&run(&worse, Threads::new(threads)).0), gates(&first));
+        let (again, ..) = run(&worse, Threads::new(threads));
+        assert_eq!(gates(&again), gates(&first));
+        assert_eq!(trials(&again.suites[0]), trials(&first.suites[0]));
     }
     for seed in [1, 2] {
         assert_eq!(gates(&run(&worse, Shuffled::seeded(seed)).0), gates(&first));
@@ -217,7 +222,9 @@ fn what_has_all_its_runs_is_judged() {
     let project = project.unwrap_or_else(|error| panic!("{error}"));
     let first = Selection::all().until_failures(Some(1));
     let results = Session::new(&project).courses(false).run(&first, &mut Unheard).unwrap();
-    assert!(results.suites.iter().flat_map(|suite| &suite.trials).all(|trial| trial.skipped()));
+    let cut = Standing::NotFinished(CutBy::GateFailed);
+    assert!(results.suites[0].trials.iter().all(|trial| trial.standing() == cut));
+    assert!(results.suites[1].trials.iter().all(|trial| trial.skipped()));
     assert_eq!(results.overall(), Overall::Regressed);
 }
 
@@ -261,4 +268,68 @@ fn only_what_belongs_to_the_suite_is_called_off() {
     assert!(results.suites[0].blocks[0].skip().is_none());
     assert!(results.suites[1].trials.iter().all(|trial| trial.verdict() == Some(Verdict::Passed)));
     assert_eq!(results.overall(), Overall::Regressed);
+}
+
+/// Stops the session after so many runs.
+struct Stopper {
+    after: usize,
+    stop: runner::run::Stop,
+}
+
+impl Reporter for Stopper {
+    fn tell(&mut self, event: &Event) {
+        if matches!(event, Event::RunDone { .. }) {
+            self.after = self.after.saturating_sub(1);
+        }
+        if self.after == 0 {
+            self.stop.request();
+        }
+    }
+}
+
+/// What was made before is told, and is no result.
+#[test]
+fn whoever_interrupts_looks_is_told_what_had_begun() {
+    let base = recorded(&suite("5 m", PLENTY, ""));
+    let files = files(&suite("5 m", PLENTY, GATE), &base);
+    let project = Project::open("late.suite", &standard(), &files).unwrap_or_else(|error| panic!("{error}"));
+    let stop = runner::run::Stop::default();
+    let session = Session::new(&project).executor(Threads::new(1)).stopped_by(&stop).courses(false);
+    let results = session.run(&Selection::all(), &mut Stopper { after: 20, stop: stop.clone() }).unwrap();
+    let report = &results.suites[0];
+    assert!(report.interrupted);
+    let cut = Standing::NotFinished(CutBy::Interrupted);
+    assert!(report.trials.iter().all(|trial| trial.standing() == cut && trial.outcomes.is_empty()));
+    let made: usize = report.trials.iter().map(|trial| trial.made()).sum();
+    assert!((20..180).contains(&made), "{made}");
+    assert_ne!(results.overall(), Overall::Passed);
+}
+
+/// Each course is given once, whether its gate ends the suite or not.
+#[test]
+fn courses_of_runs_that_were_looked_at_are_given_once() {
+    let base = recorded(&suite("5 m", PLENTY, ""));
+    for (distance, all) in [("2.5 m", false), ("5 m", true)] {
+        let files = files(&suite(distance, PLENTY, GATE), &base);
+        let project =
+            Project::open("late.suite", &standard(), &files).unwrap_or_else(|error| panic!("{error}"));
+        let seen = std::sync::Mutex::new(Vec::new());
+        let watch = |case: &scenario::Case, trace: &sim::Trace| {
+            assert!(!trace.samples.is_empty());
+            seen.lock().unwrap().push(case.key.clone());
+        };
+        let session = Session::new(&project).executor(Threads::new(2)).courses(false).watched_by(&watch);
+        let results = session.run(&Selection::all(), &mut Unheard).unwrap();
+        let mut seen = seen.lock().unwrap().clone();
+        seen.sort();
+        let mut made: Vec<String> = results.suites[0]
+            .trials
+            .iter()
+            .flat_map(|one| &one.outcomes)
+            .map(|one| one.key.clone())
+            .collect();
+        made.sort();
+        assert_eq!(seen, made);
+        assert_eq!(made.len() == 180, all, "{}", made.len());
+    }
 }

@@ -196,6 +196,7 @@ impl ConductArguments {
         }
         let colour = self.color.wanted(stdout());
         let live = shows_progress(self.no_progress).then(Live::new);
+        session = session.pilot_runs(live.is_some() && self.status_level.0 != StatusLevel::Dot);
         let terminal = Terminal::new(self.status_level.0, colour, live);
         let mut learning = Learning { terminal, units, last, repeated: is_repeated.then_some(stop) };
         let mut complaints = Vec::new();

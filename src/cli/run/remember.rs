@@ -13,7 +13,7 @@ use report::console::stderr;
 use report::{Terminal, count, with_worst};
 use results::judge::{judge, per_run};
 use results::{
-    Event, RatingReport, Recorded, Reporter, Requests, Skip, Standing, SuiteIdentity, SuiteReport,
+    CutBy, Event, RatingReport, Recorded, Reporter, Requests, Skip, Standing, SuiteIdentity, SuiteReport,
     TrialReport, TrialState, UnitReport, Verdict,
 };
 use runner::corpus::{case_hash, corpus_path, is_unchecked, record, write_corpus};
@@ -99,16 +99,28 @@ pub fn failures(
 
 /// The runs that failed criteria name as their worst, each with all that it speaks against.
 fn speaking_against(plan: &Plan, report: &SuiteReport, requests: &Requests) -> Vec<Recorded> {
-    let failed = report.placed_trials().filter(|(_, trial)| trial.verdict() == Some(Verdict::Failed));
+    let failed = report.placed_trials().filter(|(_, trial)| {
+        trial.verdict() == Some(Verdict::Failed)
+            || trial.standing() == Standing::NotFinished(CutBy::GateFailed)
+    });
     failed.flat_map(|(place, trial)| runs_against(&plan.trial(place), trial, requests)).collect()
 }
 
 fn runs_against(planned: &PlannedTrial, trial: &TrialReport, requests: &Requests) -> Vec<Recorded> {
-    let TrialState::Judged(judged) = &trial.state else { return Vec::new() };
-    let failed = judged.findings.iter().filter(|finding| finding.verdict == Verdict::Failed);
+    let per_run = || trial.trial.criteria.iter().filter_map(per_run);
+    let findings = match &trial.state {
+        TrialState::Judged(judged) => judged.findings.clone(),
+        // What its runs together came to is not known; what one alone breaks is.
+        TrialState::NotFinished(_) => {
+            let decisive: Vec<_> = per_run().filter(|one| one.decisive).map(|one| one.criterion).collect();
+            judge(&decisive, &trial.outcomes, requests).findings
+        }
+        TrialState::Errored(_) | TrialState::Skipped(_) => return Vec::new(),
+    };
+    let failed = findings.iter().filter(|finding| finding.verdict == Verdict::Failed);
     let worst: BTreeSet<&str> =
         failed.flat_map(|finding| &finding.worst).map(|run| run.key.as_str()).collect();
-    let criteria: Vec<_> = trial.trial.criteria.iter().filter_map(per_run).map(|one| one.criterion).collect();
+    let criteria: Vec<_> = per_run().map(|one| one.criterion).collect();
     let mut records: Vec<Recorded> = Vec::new();
     for (case, outcome) in planned.cases.iter().zip(&trial.outcomes) {
         // Seeds need not make a difference: one of several runs that are the same says it all.
@@ -270,7 +282,7 @@ impl LastRun {
                 let bad = judged.findings.iter().filter(|finding| finding.verdict != Verdict::Passed);
                 bad.flat_map(|finding| &finding.worst).map(|run| run.key.as_str()).collect()
             }
-            _ => BTreeSet::new(),
+            _ => return,
         };
         if worst.is_empty() && self.runs.is_empty() {
             return;

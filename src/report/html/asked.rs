@@ -40,7 +40,16 @@ impl<'r> AskedOfRun<'r> {
         let Some((trial, outcome)) = find(reports, &recording.case.key) else {
             return Self { criteria: &[], readings: Vec::new() };
         };
-        let criteria = &trial.trial.criteria[..];
+        Self::of_run(&trial.trial.criteria, outcome, requests, recording)
+    }
+
+    /// What `criteria` ask of a run with that outcome.
+    pub fn of_run(
+        criteria: &'r [Criterion],
+        outcome: &Outcome,
+        requests: &Requests,
+        recording: &Recording,
+    ) -> Self {
         let mut readings: Vec<(usize, RunReading)> = Vec::new();
         for criterion in criteria {
             let Some(index) = requests.index(criterion.claim.metric()) else { continue };

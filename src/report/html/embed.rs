@@ -62,8 +62,8 @@ pub fn embed(reports: &[SuiteReport], requests: &Requests, recordings: &[(Chosen
     let (mut texts, mut plots): (Vec<String>, Vec<RunPlots>) = Default::default();
     let (mut bytes, mut left_out, mut keys, mut first) = (0, 0, Vec::new(), None);
     for (recording, reason, told, severity) in drawn {
-        // `<` would let a name end the element.
-        let text = plain(run(reports, recording, reason, &told)).to_string().replace('<', "\\u003c");
+        let command = replay(reports, &recording.case.key);
+        let text = script_text(run(recording, reason, &command, &told));
         let drawn = RunPlots::new(reports, requests, recording, told.moment);
         let size = text.len() + drawn.size();
         if bytes + size > MOST_BYTES {
@@ -127,10 +127,10 @@ fn replay(reports: &[SuiteReport], key: &str) -> String {
     reports.iter().find(belongs).map_or_else(String::new, |report| report.identity.replay_command(key))
 }
 
-fn run(reports: &[SuiteReport], recording: &Recording, reason: &str, told: &RunTold) -> Value {
+/// A run as the page's script reads it.
+pub fn run(recording: &Recording, reason: &str, command: &str, told: &RunTold) -> Value {
     let case = &recording.case;
     let road = &case.world.road;
-    let command = replay(reports, &case.key);
     let signal = match road.crossing.kind {
         CrossingKind::Signalised(TrafficSignal {
             cycle,
@@ -267,6 +267,12 @@ fn point(point: Vector2<f64>) -> Value {
     json!([rounded(point.x), rounded(point.y)])
 }
 
+/// As it stands inside a `script` element.
+pub fn script_text(value: Value) -> String {
+    // `<` would let a name end the element.
+    plain(value).to_string().replace('<', "\\u003c")
+}
+
 /// With strings that turn nothing around where the page shows them.
 fn plain(value: Value) -> Value {
     match value {
@@ -278,7 +284,7 @@ fn plain(value: Value) -> Value {
 }
 
 /// To the centimetre (or centimetre per second, or hundredth of a radian): drawing needs no more.
-fn rounded(value: f64) -> Value {
+pub fn rounded(value: f64) -> Value {
     let hundredths = (value * 100.0).round();
     if hundredths % 100.0 == 0.0 { json!((hundredths / 100.0) as i64) } else { json!(hundredths / 100.0) }
 }
@@ -341,7 +347,7 @@ mod tests {
     }
 
     fn shown(recording: &Recording) -> Value {
-        run(&[], recording, "example", &RunTold::new(&[], &Requests::default(), recording))
+        run(recording, "example", "", &RunTold::new(&[], &Requests::default(), recording))
     }
 
     #[test]

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::command::ReplayCommand;
 use crate::groups::{Group, groups};
 use crate::wording::{recorded_remark, run_in_words, standing_words, verdict_mark, verdict_word};
-use results::{RecordedReport, Standing, SuiteReport, TrialState, Verdict};
+use results::{CutBy, RecordedReport, Standing, SuiteReport, TrialState, Verdict};
 
 /// More lines of a suite are not written out.
 const MOST_LINES: usize = 60;
@@ -95,6 +95,8 @@ fn unfinished(report: &SuiteReport, animated: &[String]) -> Vec<FailureLine> {
     let mut lines: Vec<(FailureLine, usize)> = Vec::new();
     for trial in &report.trials {
         let said = match &trial.state {
+            // What a gate ended is told with it.
+            TrialState::NotFinished(cut) if cut.by() == CutBy::GateFailed => continue,
             TrialState::NotFinished(cut) => cut.to_string(),
             TrialState::Errored(error) => error.message.to_string(),
             TrialState::Judged(_) | TrialState::Skipped(_) => continue,

@@ -4,6 +4,10 @@ mod asked;
 mod block;
 mod calibrate;
 mod command;
+mod diff;
+mod diff_plots;
+#[cfg(test)]
+mod diff_tests;
 mod embed;
 mod estimate;
 mod evaluate;
@@ -29,6 +33,7 @@ mod view;
 
 use std::time::SystemTime;
 
+pub use diff::diff_to_html;
 use minijinja::syntax::SyntaxConfig;
 use minijinja::value::{Serde, Value};
 use minijinja::{Environment, UndefinedBehavior, context};
@@ -37,8 +42,9 @@ use super::{chart, expect_every_trial};
 use files::escape::html_characters;
 use results::Results;
 
-/// The page and its parts.
-const TEMPLATES: [(&str, &str); 13] = [
+/// The pages and their parts.
+const TEMPLATES: [(&str, &str); 14] = [
+    ("diff.html", include_str!("diff.html")),
     ("page.html", include_str!("page.html")),
     ("failures.html", include_str!("failures.html")),
     ("player.html", include_str!("player.html")),
@@ -63,6 +69,11 @@ pub fn to_html(results: &Results) -> String {
     let Results { requests, suites: reports, recordings } = results;
     let started = reports.first().map_or(SystemTime::UNIX_EPOCH, |report| report.started);
     let page = view::Page::new(reports, requests, recordings, started);
+    rendered("page.html", &[include_str!("page.css"), include_str!("player.css")], Serde(page))
+}
+
+/// The page of that name, with these style sheets and those of charts.
+fn rendered(name: &str, styles: &[&str], page: impl Into<Value>) -> String {
     let mut environment = Environment::new();
     environment.set_undefined_behavior(UndefinedBehavior::Strict);
     let syntax = SyntaxConfig::builder().trim_blocks(true).lstrip_blocks(true).build();
@@ -77,12 +88,12 @@ pub fn to_html(results: &Results) -> String {
     for (name, text) in TEMPLATES {
         environment.add_template(name, text).expect("the template is valid");
     }
-    let template = environment.get_template("page.html").expect("it was added above");
-    let style = format!("{}\n{}\n{}", include_str!("page.css"), include_str!("player.css"), chart::STYLE);
+    let template = environment.get_template(name).expect("it was added above");
+    let style = format!("{}\n{}", styles.join("\n"), chart::STYLE);
     let script = include_str!("page.js");
     template
         .render(context! {
-            page => Serde(page),
+            page => page.into(),
             policy => policy::content_security_policy(&style, script),
             style,
             script,
@@ -131,7 +142,7 @@ mod tests {
     }
 
     /// As it stands in the page.
-    fn policy_of(page: &str) -> &str {
+    pub(super) fn policy_of(page: &str) -> &str {
         let content = part(page, "http-equiv=\"Content-Security-Policy\" content=\"", "\">");
         content.split_once("content=\"").expect("it was found with that").1
     }
@@ -281,7 +292,7 @@ mod tests {
     }
 
     /// The part of a page from one text to another.
-    fn part<'a>(page: &'a str, from: &str, to: &str) -> &'a str {
+    pub(super) fn part<'a>(page: &'a str, from: &str, to: &str) -> &'a str {
         let start = page.find(from).unwrap_or_else(|| panic!("no {from}"));
         let length = page[start..].find(to).unwrap_or_else(|| panic!("no {to} after {from}"));
         &page[start..start + length]
@@ -299,30 +310,32 @@ mod tests {
         insta::assert_snapshot!(part(&page, "<table class=\"conditions\">", "</article>"));
     }
 
-    /// Every element that is opened is closed, in order.
     #[test]
     fn pages_are_well_formed() {
+        [page(), page_of_a_paper()].iter().for_each(|page| assert_well_formed(page));
+    }
+
+    /// Every element that is opened is closed, in order.
+    pub(super) fn assert_well_formed(page: &str) {
         const VOID: [&str; 4] = ["meta", "input", "br", "!DOCTYPE"];
-        for page in [page(), page_of_a_paper()] {
-            let mut open: Vec<&str> = Vec::new();
-            let mut rest = page.as_str();
-            while let Some(start) = rest.find('<') {
-                let end = start + rest[start..].find('>').expect("every tag ends");
-                let tag = &rest[start + 1..end];
-                rest = &rest[end + 1..];
-                let name = tag.trim_start_matches('/').split([' ', '/', '\n']).next().unwrap_or_default();
-                if let Some(closed) = tag.strip_prefix('/') {
-                    assert_eq!(open.pop(), Some(closed), "before {}", &rest[..rest.len().min(80)]);
-                } else if !tag.ends_with('/') && !VOID.contains(&name) {
-                    open.push(name);
-                }
-                // Scripts and styles are not markup.
-                if ["script", "style"].contains(&name) && !tag.starts_with('/') {
-                    rest = &rest[rest.find(&format!("</{name}")).expect("it is closed")..];
-                }
+        let mut open: Vec<&str> = Vec::new();
+        let mut rest = page;
+        while let Some(start) = rest.find('<') {
+            let end = start + rest[start..].find('>').expect("every tag ends");
+            let tag = &rest[start + 1..end];
+            rest = &rest[end + 1..];
+            let name = tag.trim_start_matches('/').split([' ', '/', '\n']).next().unwrap_or_default();
+            if let Some(closed) = tag.strip_prefix('/') {
+                assert_eq!(open.pop(), Some(closed), "before {}", &rest[..rest.len().min(80)]);
+            } else if !tag.ends_with('/') && !VOID.contains(&name) {
+                open.push(name);
             }
-            assert!(open.is_empty(), "{open:?} are not closed");
+            // Scripts and styles are not markup.
+            if ["script", "style"].contains(&name) && !tag.starts_with('/') {
+                rest = &rest[rest.find(&format!("</{name}")).expect("it is closed")..];
+            }
         }
+        assert!(open.is_empty(), "{open:?} are not closed");
     }
 
     #[test]

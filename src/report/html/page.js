@@ -67,7 +67,9 @@
   // A run that is pointed at in a chart is opened if it is in the page; of another one stands there how to see it.
   const data = byId("data");
   const runs = data ? JSON.parse(data.textContent) : [];
-  const kept = new Set(runs.map(({ key }) => key));
+  // Two sides of one run have a name each besides the key, which is the same.
+  const nameOf = ({ side, key }) => side || key;
+  const kept = new Set(runs.map(nameOf));
   for (const mark of document.querySelectorAll("[data-run]")) if (kept.has(mark.dataset.run)) mark.classList.add("opens");
   for (const figures of document.querySelectorAll("[data-replay]")) {
     figures.addEventListener("click", (event) => {
@@ -93,7 +95,7 @@
   }
 
   if (!data) return;
-  for (const id of ["player", "choosing", "beside"]) byId(id).hidden = false;
+  for (const id of ["player", "choosing", "beside"]) if (byId(id)) byId(id).hidden = false;
   document.body.classList.add("ready");
 
   const element = (name, attributes, parent, text) => {
@@ -104,6 +106,7 @@
     return made;
   };
   const view = byId("view"), plane = byId("plane"), slider = byId("time"), following = byId("followed");
+  const choice = byId("choice"), also = byId("also"), together = byId("runs").hasAttribute("data-together");
   // Which run each of its users belongs to: two may be looked at together.
   for (const each of runs) for (const user of each.users) user.times = each.times;
   let run, second = null, followed = null, time = 0, playing = false, last = 0, until = Infinity, update = () => {};
@@ -237,6 +240,7 @@
 
   // The distance-distance plane with a marker for now.
   const drawPlane = () => {
+    if (!plane) return () => {};
     const legend = byId("pairs");
     plane.replaceChildren();
     legend.replaceChildren();
@@ -304,9 +308,9 @@
   };
 
   // Everybody in words: what they are up to, how fast they are, whom a vehicle is not shown.
-  const drawStates = () => {
+  const drawStates = (list, run) => {
     const items = run.users.map((user) => ({ user, item: document.createElement("li") }));
-    byId("states").replaceChildren(...items.map(({ item }) => item));
+    list.replaceChildren(...items.map(({ item }) => item));
     return () => {
       for (const { user, item } of items) {
         const place = placeAt(user, time);
@@ -320,7 +324,7 @@
   };
 
   // What people's models make of it now: a table for each group of quantities, a bar from zero and a number each.
-  const drawMinds = () => {
+  const drawMinds = (place, run) => {
     const tables = run.users.filter((user) => user.state).flatMap((user) => {
       let first = 1;
       return user.state.groups.map(([group, names, low, high]) => {
@@ -347,7 +351,7 @@
         return { user, group, from, x, table, caption, rows };
       });
     });
-    byId("minds").replaceChildren(...tables.map(({ table }) => table));
+    place.replaceChildren(...tables.map(({ table }) => table));
     return () => {
       let now = -1;
       run.times.forEach((known, at) => { if (known <= time + 1e-9) now = at; });
@@ -453,19 +457,20 @@
     const beside = second ? [drawView(byId("view2"), second)] : [];
     if (second) byId("sentence2").textContent = second.sentence;
     if (second) byId("view2").setAttribute("aria-label", `the run beside from above: ${second.sentence}`);
-    const parts = [drawView(view, run), ...beside, drawStates(), drawMinds(), drawPlane(), drawEvents(), drawCursors()];
+    if (together && second) beside.push(drawStates(byId("states2"), second), drawMinds(byId("minds2"), second));
+    const parts = [drawView(view, run), ...beside, drawStates(byId("states"), run), drawMinds(byId("minds"), run), drawPlane(), drawEvents(), drawCursors()];
     update = () => parts.forEach((part) => part());
     update();
   };
   const choose = (index) => {
     pause();
     run = runs[index];
-    byId("choice").value = index;
+    if (together) second = runs[1];
     byId("command").textContent = run.command;
     followed = null;
     // One beside stays there, unless it is the one that is chosen now.
     if (second === run) second = null;
-    byId("also").value = runs.indexOf(second);
+    if (choice) [choice.value, also.value] = [index, runs.indexOf(second)];
     slider.max = end();
     const names = ["nobody", ...run.users.map((user) => user.name)];
     following.replaceChildren(...names.map((name, at) => new Option(name, at)));
@@ -478,23 +483,20 @@
     show(first < 0 ? 0 : run.times[first]);
   };
 
-  runs.forEach(({ key, reason }, index) => {
-    const option = document.createElement("option");
-    option.value = index;
-    option.textContent = reason === "example" ? `${key} (example)` : `${key} (${reason})`;
-    byId("choice").append(option);
-  });
-  byId("also").append(new Option("nothing", -1), ...runs.map(({ key }, index) => new Option(key, index)));
-  byId("alone").hidden = runs.length < 2;
-  byId("also").addEventListener("change", (event) => {
-    second = runs[event.target.value] || null;
-    if (second === run) second = null;
-    event.target.value = runs.indexOf(second);
-    slider.max = end();
-    redraw();
-    show(time);
-  });
-  byId("choice").addEventListener("change", (event) => choose(+event.target.value));
+  if (choice) {
+    choice.append(...runs.map(({ key, reason }, index) => new Option(`${key} (${reason})`, index)));
+    also.append(new Option("nothing", -1), ...runs.map(({ key }, index) => new Option(key, index)));
+    byId("alone").hidden = runs.length < 2;
+    also.addEventListener("change", () => {
+      second = runs[also.value] || null;
+      if (second === run) second = null;
+      also.value = runs.indexOf(second);
+      slider.max = end();
+      redraw();
+      show(time);
+    });
+    choice.addEventListener("change", () => choose(+choice.value));
+  }
   following.addEventListener("change", () => { followed = run.users[following.value - 1] || null; update(); });
   slider.addEventListener("input", () => { pause(); show(+slider.value); });
   const play = () => {
@@ -513,7 +515,7 @@
   });
   const follow = () => {
     const hash = location.hash;
-    const index = runs.findIndex(({ key }) => hash === `#run=${key}` || hash === `#run=${encodeURI(key)}`);
+    const index = runs.map(nameOf).findIndex((name) => hash === `#run=${name}` || hash === `#run=${encodeURI(name)}`);
     if (index < 0) return false;
     choose(index);
     byId("runs").scrollIntoView();

@@ -47,17 +47,10 @@ pub fn drawn_pairs(asked: &AskedOfRun, recording: &Recording, first: usize) -> (
     for vehicle in 0..cars {
         for who in cars..recording.users.len() {
             let pedestrian = who - cars;
-            let at = |index: usize| {
-                let (one, other) = (outline(recording, vehicle, index)?, outline(recording, who, index)?);
-                Some(apart(&one, &other))
-            };
-            let times = recording.times.iter().enumerate();
-            let distances: Vec<_> = times.map(|(index, time)| (*time, at(index))).collect();
-            let nearest = distances.iter().filter_map(|point| point.1).fold(f64::INFINITY, f64::min);
+            let pair = DrawnPair::of(recording, vehicle, pedestrian, Look::series(0));
+            let nearest = pair.distances.iter().filter_map(|point| point.1).fold(f64::INFINITY, f64::min);
             let rank = critical.iter().position(|pair| *pair == (vehicle, pedestrian));
-            let name = format!("{} and {}", recording.name(vehicle), recording.name(who));
             if nearest.is_finite() {
-                let pair = DrawnPair { vehicle, pedestrian, look: Look::series(0), name, distances };
                 pairs.push((rank.unwrap_or(usize::MAX), nearest, pair));
             }
         }
@@ -70,6 +63,19 @@ pub fn drawn_pairs(asked: &AskedOfRun, recording: &Recording, first: usize) -> (
 }
 
 impl DrawnPair {
+    /// That of a vehicle and a pedestrian, by their places in the world.
+    pub fn of(recording: &Recording, vehicle: usize, pedestrian: usize, look: Look) -> Self {
+        let who = recording.case.world.vehicles.len() + pedestrian;
+        let at = |index: usize| {
+            let (one, other) = (outline(recording, vehicle, index)?, outline(recording, who, index)?);
+            Some(apart(&one, &other))
+        };
+        let times = recording.times.iter().enumerate();
+        let distances = times.map(|(index, time)| (*time, at(index))).collect();
+        let name = format!("{} and {}", recording.name(vehicle), recording.name(who));
+        Self { vehicle, pedestrian, look, name, distances }
+    }
+
     /// What was recorded of it besides where the two are.
     pub fn details<'r>(&self, recording: &'r Recording) -> Option<&'r PairDetails> {
         let is_it = |pair: &&PairDetails| (pair.vehicle, pair.pedestrian) == (self.vehicle, self.pedestrian);

@@ -16,13 +16,13 @@ const _: () = assert!(MOST_USERS + MOST_PAIRS <= LOOKS);
 
 /// So long after the moment that is marked, and after all that metrics took their values of, is drawn, s: what comes later would press
 /// together what matters.
-const AFTER: f64 = 3.0;
+pub(super) const AFTER: f64 = 3.0;
 
 /// Times to collision above this are not drawn, unless something is asked of them, s.
-const LONGEST: f64 = 10.0;
+pub(super) const LONGEST: f64 = 10.0;
 
 /// Times in s with values; without one there is a gap.
-type Points = Vec<(f64, Option<f64>)>;
+pub(super) type Points = Vec<(f64, Option<f64>)>;
 
 /// What is drawn of a run over time.
 #[derive(Debug, Serialize)]
@@ -225,24 +225,24 @@ impl RunPlots {
     }
 }
 
-fn said(unit: Option<Notation>, dimension: Dimension) -> String {
+pub(super) fn said(unit: Option<Notation>, dimension: Dimension) -> String {
     unit.map_or_else(|| dimension.si_unit(), |unit| unit.symbol.as_str().to_string())
 }
 
 /// Where lines end above: at `ceiling`, or higher where a bound, or all that there is, would be too near to that or beyond.
-fn above(ceiling: f64, series: &[TimeSeries], rules: &[Rule]) -> f64 {
+pub(super) fn above(ceiling: f64, series: &[TimeSeries], rules: &[Rule]) -> f64 {
     let values = series.iter().flat_map(|one| &one.points).filter_map(|point| point.1);
     let lowest = values.reduce(f64::min).unwrap_or(0.0);
     rules.iter().map(|rule| rule.value).chain([lowest]).map(|value| 1.2 * value).fold(ceiling, f64::max)
 }
 
-fn of_places(recording: &Recording, who: usize, pick: impl Fn(&Place) -> f64) -> Points {
+pub(super) fn of_places(recording: &Recording, who: usize, pick: impl Fn(&Place) -> f64) -> Points {
     let places = recording.times.iter().zip(&recording.users[who]);
     places.map(|(time, place)| (*time, place.as_ref().map(&pick))).collect()
 }
 
 /// The slope between each two points, at the time between them.
-fn slopes(points: &[(f64, Option<f64>)]) -> Points {
+pub(super) fn slopes(points: &[(f64, Option<f64>)]) -> Points {
     let far = points.windows(2).filter(|pair| pair[1].0 - pair[0].0 > 1e-3);
     let slope = |pair: &[(f64, Option<f64>)]| {
         let ((from, before), (to, after)) = (pair[0], pair[1]);

@@ -41,6 +41,11 @@ impl RunTold {
             let values = trial.trial.variation.iter().map(|one| format!(", {} {}", one.name, one.label));
             format!(" In {}{}.", trial.trial.scenario, values.collect::<String>())
         });
+        Self::of(reasons, &place, recording)
+    }
+
+    /// Of a run that stands so to what is asked of it; `place` is said of where that was.
+    pub fn of(reasons: Vec<RunReason>, place: &str, recording: &Recording) -> Self {
         let contact = first_contact(recording);
         let failing = reasons.iter().find(|reason| !reason.fulfils());
         let (sentence, moment) = match (&contact, failing) {

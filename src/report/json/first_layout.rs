@@ -335,6 +335,6 @@ fn cut(key: &str, by: Option<CutBy>, message: String) -> Result<Cut, ResultsErro
         Some(CutBy::TimeLimit) => {
             found.ok_or_else(|| contradiction(key, format!("`{message}` is no time limit")))
         }
-        Some(CutBy::Interrupted) | None => Ok(Cut::Block(message)),
+        Some(CutBy::Interrupted | CutBy::GateFailed) | None => Ok(Cut::Block(message)),
     }
 }

@@ -1,5 +1,6 @@
 //! The part of the terminal that changes while units run: how far everything is, and what is under way.
 
+use std::collections::BTreeMap;
 use std::time::Duration;
 
 use indicatif::{HumanCount, ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -43,6 +44,12 @@ impl Live {
         }
     }
 
+    /// Says what is done once nothing is under way any more.
+    pub(super) fn say(&self, what: &str) {
+        self.bar.set_message(format!("{:>12} {} …", "Judging", shortened(&terminal_line(what), WIDEST_KEY)));
+        self.bar.tick();
+    }
+
     pub(super) fn clear(&self) {
         self.bar.finish_and_clear();
     }
@@ -55,11 +62,7 @@ impl Default for Live {
 }
 
 /// A line for everything and one for each unit under way.
-pub(super) fn panel<'r>(
-    tally: &Tally,
-    running: impl Iterator<Item = &'r Running>,
-    elapsed: Duration,
-) -> String {
+pub(super) fn panel(tally: &Tally, running: &BTreeMap<usize, Running>, elapsed: Duration) -> String {
     let outline = &tally.outline;
     let units = outline.recorded + outline.trials + outline.blocks;
     let share = match outline.runs {
@@ -76,12 +79,11 @@ pub(super) fn panel<'r>(
     if tally.failures > 0 {
         said.push(format!("{} failed", tally.failures));
     }
-    let running: Vec<&Running> = running.collect();
-    let left = tally.left(running.iter().copied(), elapsed).map_or_else(String::new, TimeLeft::in_words);
+    let left = tally.left(running, elapsed).map_or_else(String::new, TimeLeft::in_words);
     let mut text =
         format!("{:>12} {} [{bar}] {}{left}", "Running", status::seconds(elapsed), said.join(", "));
     let mut more = 0;
-    for (index, one) in running.into_iter().enumerate() {
+    for (index, one) in running.values().enumerate() {
         if index < MOST_SHOWN {
             let key = shortened(&terminal_line(&one.key), WIDEST_KEY);
             let course = if takes_blocks() { one.course() } else { String::new() };
@@ -118,9 +120,9 @@ mod tests {
         search.evaluations = Some(Evaluations { done: 12, all: 48, best: Some(1.25), within: None });
         let mut trial = Running::new("zebra/scripted/tta=6s", 20);
         tally.begun = 2;
-        (1..=9).for_each(|run| tally.run_done(Some(&mut trial), Duration::from_millis(300 * run)));
-        tally.run_done(None, Duration::from_millis(3000));
-        let text = panel(&tally, [trial, search].iter(), Duration::from_secs(3));
+        (1..=9).for_each(|run| tally.run_done(1, Some(&mut trial), Duration::from_millis(300 * run)));
+        tally.run_done(7, None, Duration::from_millis(3000));
+        let text = panel(&tally, &BTreeMap::from([(1, trial), (2, search)]), Duration::from_secs(3));
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(
             lines[0],

@@ -3,6 +3,9 @@
 mod costs;
 mod lines;
 mod live;
+#[cfg(test)]
+mod pilot_tests;
+mod pilots;
 mod progress;
 mod sparkline;
 mod status;
@@ -32,6 +35,8 @@ pub struct Terminal {
     out: Option<Output>,
     level: StatusLevel,
     live: Option<Live>,
+    /// What takes the place of `live` once all units are over.
+    after: Option<Live>,
     lines: Lines,
     begun: Instant,
     looked: Instant,
@@ -66,6 +71,7 @@ impl Terminal {
             level,
             // A row that is not full has no line of its own yet, above which something else could change.
             live: live.filter(|_| level != StatusLevel::Dot),
+            after: None,
             lines: Lines::new(colour),
             begun: now,
             looked: now,
@@ -113,7 +119,7 @@ impl Terminal {
 
     fn finish(&mut self, unit: usize, suite: &SuiteIdentity, report: &UnitReport) {
         if let Some(running) = self.running.remove(&unit) {
-            self.tally.over(&running, self.begun.elapsed());
+            self.tally.over(unit, &running, self.begun.elapsed());
         }
         self.tally.finish(report);
         let standing = report.standing();
@@ -141,7 +147,15 @@ impl Terminal {
                 }
             }
         }
-        if !matches!(standing, Standing::Skipped | Standing::NotJudged | Standing::Judged(Verdict::Passed)) {
+        // What a gate ended is told with the gate.
+        let is_told = matches!(
+            standing,
+            Standing::Skipped
+                | Standing::NotJudged
+                | Standing::Judged(Verdict::Passed)
+                | Standing::NotFinished(CutBy::GateFailed)
+        );
+        if !is_told {
             let text = explain(suite, report, self.lines.colour);
             // Of what somebody interrupted the line says all there is.
             let silent = standing == Standing::NotFinished(CutBy::Interrupted);
@@ -213,10 +227,12 @@ impl Reporter for Terminal {
                 }
                 // Blocks have no runs of their own.
                 self.tally.begun += usize::from(*runs > 0);
-                self.running.insert(*unit, Running::new(key, *runs));
+                let made = self.tally.pilots.of(*unit);
+                self.running.insert(*unit, Running::new(key, *runs).after(made));
             }
+            Event::PilotRun { unit, runs, took } => self.tally.pilots.made(*unit, *runs, *took),
             Event::RunDone { unit } => {
-                self.tally.run_done(self.running.get_mut(unit), self.begun.elapsed());
+                self.tally.run_done(*unit, self.running.get_mut(unit), self.begun.elapsed());
             }
             Event::Evaluated { unit, evaluations } => {
                 if let Some(running) = self.running.get_mut(unit) {
@@ -229,10 +245,22 @@ impl Reporter for Terminal {
             Event::Ended { reports, requests, elapsed } => {
                 if let Some(live) = self.live.take() {
                     live.clear();
+                    self.after = Some(Live::new());
                 }
                 self.lines.end_row();
                 std::mem::take(&mut self.later).iter().for_each(|line| self.lines.say(line));
                 self.lines.end(&self.bad, reports, requests, *elapsed);
+            }
+            Event::Judging(Some(what)) => {
+                if let Some(after) = &self.after {
+                    after.say(what);
+                }
+            }
+            Event::Judging(None) => {
+                if let Some(after) = self.after.take() {
+                    after.clear();
+                    self.after = Some(Live::new());
+                }
             }
         }
     }
@@ -243,7 +271,7 @@ impl Reporter for Terminal {
             self.look_for_slow();
             if let Some(live) = &self.live {
                 live.draw(self.begun.elapsed(), || {
-                    live::panel(&self.tally, self.running.values(), self.begun.elapsed())
+                    live::panel(&self.tally, &self.running, self.begun.elapsed())
                 });
             }
         }

@@ -1,8 +1,10 @@
 //! How far everything is that there is to do, and each unit that is under way, and how long it may still take.
 
+use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
 use super::costs::Costs;
+use super::pilots::{Pilots, UnderWay};
 use super::sparkline::sparkline;
 use super::time_left::TimeLeft;
 use results::{Evaluations, UnitReport, Workload};
@@ -20,21 +22,26 @@ pub(super) struct Tally {
     pub begun: usize,
     /// What runs cost.
     pub costs: Costs,
+    /// What runs took that were made before their trials began.
+    pub pilots: Pilots,
 }
 
 impl Tally {
-    /// One more run is done, of a unit that is under way.
-    pub fn run_done(&mut self, unit: Option<&mut Running>, elapsed: Duration) {
+    /// One more run of a unit is done, which is under way or has yet to begin.
+    pub fn run_done(&mut self, unit: usize, running: Option<&mut Running>, elapsed: Duration) {
         self.runs_done += 1;
         let cost = self.costs.run_done(elapsed);
-        if let Some(unit) = unit {
-            unit.run_done(cost);
+        if let Some(running) = running {
+            self.pilots.begin(unit);
+            running.run_done(cost);
         }
     }
 
     /// A unit is no more under way.
-    pub fn over(&mut self, unit: &Running, elapsed: Duration) {
-        if let Some(cost) = unit.cost() {
+    pub fn over(&mut self, unit: usize, running: &Running, elapsed: Duration) {
+        let cost = running.cost();
+        self.pilots.over(unit, running.runs_done, cost);
+        if let Some(cost) = cost {
             self.costs.trial_over(elapsed, cost);
         }
     }
@@ -59,20 +66,16 @@ impl Tally {
     }
 
     /// How long everything still takes, as far as that can be said.
-    pub fn left<'r>(
-        &self,
-        running: impl Iterator<Item = &'r Running>,
-        elapsed: Duration,
-    ) -> Option<TimeLeft> {
+    pub fn left(&self, running: &BTreeMap<usize, Running>, elapsed: Duration) -> Option<TimeLeft> {
         let Workload { runs, certain_runs, blocks, .. } = self.outline;
         let blocks_left = blocks - self.blocks_done.min(blocks);
         let left = (certain_runs.saturating_sub(self.runs_done), runs.saturating_sub(self.runs_done));
-        let running: Vec<&Running> = running.collect();
         let mut parts: Vec<TimeLeft> = Vec::new();
         if left.1 > 0 {
-            parts.push(self.runs_left(&running, elapsed, left)?);
+            parts.push(self.runs_left(running, elapsed, left)?);
         }
-        let blocks: Vec<TimeLeft> = running.iter().filter_map(|one| one.left(one.begun.elapsed())).collect();
+        let blocks: Vec<TimeLeft> =
+            running.values().filter_map(|one| one.left(one.begun.elapsed())).collect();
         // Of a block that has not begun, or of which nothing is known yet, nobody knows how long it takes.
         let is_known = blocks.len() >= blocks_left;
         parts.extend(blocks);
@@ -85,21 +88,22 @@ impl Tally {
     /// so far.
     fn runs_left(
         &self,
-        running: &[&Running],
+        running: &BTreeMap<usize, Running>,
         elapsed: Duration,
         (least, most): (usize, usize),
     ) -> Option<TimeLeft> {
         if self.runs_done == 0 || elapsed.as_secs_f64() < PATIENCE {
             return None;
         }
-        let known: Vec<(usize, f64)> = running
-            .iter()
-            .filter_map(|one| Some((one.runs.saturating_sub(one.runs_done), one.cost()?)))
-            .collect();
+        let known: Vec<(usize, f64)> =
+            running.values().filter_map(|one| Some((one.runs_left(), one.cost()?))).collect();
         let known_runs: usize = known.iter().map(|(runs, _)| runs).sum();
         let known_time: f64 = known.iter().map(|(runs, cost)| *runs as f64 * cost).sum();
         let trials = (self.outline.trials + self.outline.recorded).saturating_sub(self.begun)
-            + running.iter().filter(|one| one.runs > 0 && one.cost().is_none()).count();
+            + running.values().filter(|one| one.runs > 0 && one.cost().is_none()).count();
+        if !self.pilots.is_empty() {
+            return self.left_by_pilots(running, trials, (least, most));
+        }
         let costs: Vec<f64> = known.iter().map(|(_, cost)| *cost).collect();
         // Where it is open how many there are, it may be those under way that end.
         let open = most.saturating_sub(least);
@@ -115,6 +119,24 @@ impl Tally {
         let unbegun = self.costs.unbegun(elapsed, &costs, trials, (others, possible));
         Some(TimeLeft { least: own.least + unbegun.least, most: unbegun.most.map(|most| known_time + most) })
     }
+
+    /// The same where pilot runs were made; so many `trials` have yet to begin.
+    fn left_by_pilots(
+        &self,
+        running: &BTreeMap<usize, Running>,
+        trials: usize,
+        (least, most): (usize, usize),
+    ) -> Option<TimeLeft> {
+        let under_way = running.iter().filter_map(|(unit, one)| {
+            Some(UnderWay { unit: *unit, done: one.runs_done, left: one.runs_left(), cost: one.cost()? })
+        });
+        let under_way: Vec<UnderWay> = under_way.collect();
+        let known = under_way.iter().map(|one| one.left).sum::<usize>() + self.pilots.runs_ahead();
+        let others = trials.saturating_sub(self.pilots.trials_ahead());
+        let left = self.pilots.left(&under_way, others, most.saturating_sub(known))?;
+        // Where it is open how many there are, it may be any that end.
+        Some(TimeLeft { least: left.least * least as f64 / most as f64, ..left })
+    }
 }
 
 /// A unit under way.
@@ -124,6 +146,8 @@ pub(super) struct Running {
     pub begun: Instant,
     pub runs: usize,
     pub runs_done: usize,
+    /// Pilot runs, which are not among those.
+    made_before: usize,
     pub evaluations: Option<Evaluations>,
     /// The best value after each evaluation; of many, after every second one, and so on.
     best: Vec<f64>,
@@ -143,6 +167,7 @@ impl Running {
             begun,
             runs,
             runs_done: 0,
+            made_before: 0,
             evaluations: None,
             best: Vec::new(),
             slow: 0,
@@ -151,11 +176,20 @@ impl Running {
         }
     }
 
+    /// After so many pilot runs.
+    pub fn after(self, made_before: usize) -> Self {
+        Self { made_before, ..self }
+    }
+
     /// One more run is done, at this cost, s.
     fn run_done(&mut self, cost: f64) {
         self.runs_done += 1;
         self.spent += cost;
         self.pace.note(Duration::from_secs_f64(self.spent), self.runs_done);
+    }
+
+    fn runs_left(&self) -> usize {
+        self.runs.saturating_sub(self.runs_done + self.made_before)
     }
 
     /// What a run of it costs, if one is done, s.
@@ -197,7 +231,7 @@ impl Running {
                 let best = best.map(|best| format!(", best {}", scenario::significant(best, 4)));
                 format!(": {done} of {all} evaluations{}{left}", best.unwrap_or_default())
             }
-            None if self.runs > 1 => format!(": {} of {} runs", self.runs_done, self.runs),
+            None if self.runs > 1 => format!(": {} of {} runs", self.runs_done + self.made_before, self.runs),
             None => String::new(),
         }
     }
@@ -293,21 +327,21 @@ mod tests {
         let runs = trials.iter().map(Vec::len).sum();
         let outline = Workload { trials: trials.len(), runs, certain_runs: runs, ..Workload::default() };
         let mut tally = Tally { outline, ..Tally::default() };
-        let (mut time, mut under_way) = (0.0, None);
-        'all: for runs in trials {
+        let (mut time, mut under_way) = (0.0, BTreeMap::new());
+        'all: for (unit, runs) in trials.iter().enumerate() {
             tally.begun += 1;
             let mut running = Running::new("a", runs.len());
             for run in runs {
                 if time + run > asked {
-                    under_way = Some(running);
+                    under_way.insert(unit, running);
                     break 'all;
                 }
                 time += run;
-                tally.run_done(Some(&mut running), Duration::from_secs_f64(time));
+                tally.run_done(unit, Some(&mut running), Duration::from_secs_f64(time));
             }
-            tally.over(&running, Duration::from_secs_f64(time));
+            tally.over(unit, &running, Duration::from_secs_f64(time));
         }
-        let said = tally.left(under_way.iter(), Duration::from_secs_f64(asked));
+        let said = tally.left(&under_way, Duration::from_secs_f64(asked));
         (said, trials.iter().flatten().sum::<f64>() - asked)
     }
 
@@ -427,13 +461,13 @@ mod tests {
     fn what_is_left_is_not_guessed_from_nothing() {
         let outline = |runs, certain_runs| Workload { trials: 1, runs, certain_runs, ..Workload::default() };
         let mut tally = Tally { outline: outline(15, 15), begun: 1, ..Tally::default() };
-        let mut running = Running::new("a", 15);
-        assert_eq!(tally.left([&running].into_iter(), Duration::from_secs(9)), None);
-        (1..=5).for_each(|run| tally.run_done(Some(&mut running), Duration::from_millis(4 * run)));
-        assert_eq!(tally.left([&running].into_iter(), Duration::from_millis(20)), None, "too early");
-        assert!(tally.left([&running].into_iter(), Duration::from_secs(9)).is_some());
+        let mut running = BTreeMap::from([(0, Running::new("a", 15))]);
+        assert_eq!(tally.left(&running, Duration::from_secs(9)), None);
+        (1..=5).for_each(|run| tally.run_done(0, running.get_mut(&0), Duration::from_millis(4 * run)));
+        assert_eq!(tally.left(&running, Duration::from_millis(20)), None, "too early");
+        assert!(tally.left(&running, Duration::from_secs(9)).is_some());
         tally.outline = outline(5, 5);
-        assert_eq!(tally.left([&running].into_iter(), Duration::from_secs(9)), None, "nothing is left");
+        assert_eq!(tally.left(&running, Duration::from_secs(9)), None, "nothing is left");
     }
 
     #[test]
@@ -441,9 +475,10 @@ mod tests {
         let left = |runs, certain_runs| {
             let outline = Workload { trials: 1, runs, certain_runs, ..Workload::default() };
             let mut tally = Tally { outline, begun: 1, ..Tally::default() };
-            let mut running = Running::new("a", runs);
-            (1..=100).for_each(|run| tally.run_done(Some(&mut running), Duration::from_millis(100 * run)));
-            tally.left([&running].into_iter(), Duration::from_secs(10)).unwrap()
+            let mut running = BTreeMap::from([(0, Running::new("a", runs))]);
+            (1..=100)
+                .for_each(|run| tally.run_done(0, running.get_mut(&0), Duration::from_millis(100 * run)));
+            tally.left(&running, Duration::from_secs(10)).unwrap()
         };
         let said = left(400, 120);
         assert!((said.least - 2.0).abs() < 0.1 && (said.most.unwrap() - 30.0).abs() < 1.0, "{said:?}");

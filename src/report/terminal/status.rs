@@ -36,7 +36,7 @@ pub fn level(standing: Standing, skip: Option<&Skip>) -> StatusLevel {
     match standing {
         Standing::Skipped if matches!(skip, Some(Skip::Needs { .. })) => StatusLevel::Fail,
         Standing::Skipped if matches!(skip, Some(Skip::Stale(_))) => StatusLevel::Pass,
-        Standing::Skipped => StatusLevel::Skip,
+        Standing::Skipped | Standing::NotFinished(CutBy::GateFailed) => StatusLevel::Skip,
         Standing::NotJudged | Standing::Judged(Verdict::Passed) => StatusLevel::Pass,
         Standing::Judged(_) | Standing::NotFinished(_) | Standing::Errored => StatusLevel::Fail,
     }
@@ -49,12 +49,13 @@ pub fn unit_line(standing: Standing, took: Duration, said: &str, colour: bool) -
         Standing::Judged(Verdict::Passed) => ("PASS", GOOD),
         Standing::Judged(Verdict::Inconclusive) => ("INCONCLUSIVE", DOUBTFUL),
         Standing::Judged(Verdict::Failed) => ("FAIL", BAD),
-        Standing::NotFinished(CutBy::Interrupted) => ("NOT FINISHED", DOUBTFUL),
+        Standing::NotFinished(CutBy::Interrupted | CutBy::GateFailed) => ("NOT FINISHED", DOUBTFUL),
         Standing::NotFinished(CutBy::TimeLimit) => ("NOT FINISHED", BAD),
         Standing::Errored => ("ERROR", BAD),
     };
     let time = match standing {
-        Standing::Skipped => "[         ]".to_string(),
+        // Its runs were made between those of others.
+        Standing::Skipped | Standing::NotFinished(CutBy::GateFailed) => "[         ]".to_string(),
         _ => seconds(took),
     };
     line(verb, style, Some(&time), said, colour)
@@ -67,7 +68,7 @@ pub fn mark(standing: Standing) -> (char, Style) {
         Standing::Judged(Verdict::Failed) => ('F', BAD),
         Standing::Judged(Verdict::Inconclusive) => ('?', DOUBTFUL),
         Standing::NotJudged => ('-', DOUBTFUL),
-        Standing::Skipped => ('s', DOUBTFUL),
+        Standing::Skipped | Standing::NotFinished(CutBy::GateFailed) => ('s', DOUBTFUL),
         Standing::NotFinished(CutBy::Interrupted) => ('i', DOUBTFUL),
         Standing::NotFinished(CutBy::TimeLimit) => ('T', BAD),
         Standing::Errored => ('E', BAD),

@@ -182,7 +182,7 @@ struct Standings {
     failed: usize,
     inconclusive: usize,
     errored: usize,
-    /// Cut off by the time limit, and by somebody.
+    /// Cut off by the time limit, and by somebody or a gate.
     timed_out: usize,
     interrupted: usize,
     not_run: usize,
@@ -229,7 +229,7 @@ impl Standings {
             Standing::Judged(Verdict::Inconclusive) => &mut self.inconclusive,
             Standing::Errored => &mut self.errored,
             Standing::NotFinished(CutBy::TimeLimit) => &mut self.timed_out,
-            Standing::NotFinished(CutBy::Interrupted) => &mut self.interrupted,
+            Standing::NotFinished(CutBy::Interrupted | CutBy::GateFailed) => &mut self.interrupted,
             Standing::Skipped if skip == Some(&Skip::NotSelected) => &mut self.not_selected,
             Standing::Skipped => &mut self.not_run,
         } += units;

@@ -54,6 +54,15 @@ pub enum Wanted {
     Commands,
     /// And what happened, and what reports draw besides.
     Details,
+    /// And what happened, what every vehicle was told, and what reports draw besides.
+    Everything,
+}
+
+impl Wanted {
+    /// Whether what every vehicle was told is wanted.
+    pub(super) fn has_commands(self) -> bool {
+        matches!(self, Self::Commands | Self::Everything)
+    }
 }
 
 /// Where in its [`Round`](super::Round) a run belongs, to whoever asked for it.
@@ -144,7 +153,7 @@ impl Job {
         let MeasuredMetrics { requests, free_flows } = &*measured;
         let mut watcher = Watcher::new(wanted, &case);
         let run = || {
-            let otherwise = (change.as_deref(), wanted == Wanted::Commands);
+            let otherwise = (change.as_deref(), wanted.has_commands());
             let (outcome, commands) = run_changed(&case, otherwise, requests, free_flows, &mut watcher)?;
             Ok(Ran { commands, ..watcher.ran(outcome) })
         };
@@ -215,7 +224,7 @@ impl Watcher {
             Wanted::TraceAndEvents | Wanted::Commands => {
                 Self::Both(Box::new(Timeline::new(&case.world)), Trace::default())
             }
-            Wanted::Details => {
+            Wanted::Details | Wanted::Everything => {
                 let (details, timeline) = (RecordedDetails::new(&case.world), Timeline::new(&case.world));
                 Self::Details(Box::new(details), Box::new(timeline), Trace::default())
             }

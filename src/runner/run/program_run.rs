@@ -118,7 +118,7 @@ impl StageEnd {
 
 /// A run as its job wants it.
 fn otherwise(run: RunningCase, job: &Job) -> RunningCase {
-    run.otherwise(job.change.as_deref(), job.wanted == Wanted::Commands)
+    run.otherwise(job.change.as_deref(), job.wanted.has_commands())
 }
 
 impl ProgramRun {

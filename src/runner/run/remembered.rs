@@ -13,6 +13,8 @@ use under_test::ProgramUse;
 /// wanted.
 pub struct Remembered<'e> {
     executor: &'e dyn Executor,
+    /// Whether somebody was given the course of each.
+    watched: bool,
     /// By their names.
     runs: Mutex<HashMap<String, (Case, Outcome)>>,
 }
@@ -20,7 +22,21 @@ pub struct Remembered<'e> {
 impl<'e> Remembered<'e> {
     /// With nothing remembered yet.
     pub fn new(executor: &'e dyn Executor) -> Self {
-        Self { executor, runs: Mutex::default() }
+        Self { executor, watched: false, runs: Mutex::default() }
+    }
+
+    /// With courses of which somebody was told when the runs were made: whoever wants them gets none.
+    #[must_use]
+    pub fn watched(self, watched: bool) -> Self {
+        Self { watched, ..self }
+    }
+
+    /// What a run came to, if it is remembered; then it is no more.
+    pub fn recall(&self, case: &Case) -> Option<Outcome> {
+        let mut runs = self.lock();
+        // Suites of the same name may have runs of the same name.
+        runs.get(&case.key).filter(|(known, _)| known == case)?;
+        runs.remove(&case.key).map(|(_, outcome)| outcome)
     }
 
     /// Remembers what a run came to.
@@ -33,16 +49,11 @@ impl<'e> Remembered<'e> {
     }
 
     fn take(&self, job: &Job) -> Option<Done> {
-        if job.wanted != Wanted::Outcome || job.alone || job.change.is_some() {
+        let is_enough = job.wanted == Wanted::Outcome || self.watched && job.wanted == Wanted::Trace;
+        if !is_enough || job.alone || job.change.is_some() {
             return None;
         }
-        let mut runs = self.lock();
-        let (case, _) = runs.get(&job.case.key)?;
-        // Suites of the same name may have runs of the same name.
-        if *case != job.case {
-            return None;
-        }
-        let (case, outcome) = runs.remove(&job.case.key)?;
+        let outcome = self.recall(&job.case)?;
         let ran = Ran {
             outcome,
             trace: sim::Trace::default(),
@@ -51,7 +62,7 @@ impl<'e> Remembered<'e> {
             commands: Vec::new(),
             details: None,
         };
-        Some(Done { place: job.place, case, result: Ok(ran) })
+        Some(Done { place: job.place, case: job.case.clone(), result: Ok(ran) })
     }
 }
 

@@ -31,10 +31,13 @@ pub struct Orders<'o> {
     pub max_failures: Option<usize>,
     /// Whether every trial is held in the reports; gates hold those of their suites all the same.
     pub every_trial: bool,
-    /// Where sequential gates keep the runs that they looked at: the executor of the runner. Without it none is looked at before the end.
+    /// Where runs are kept that are made before their trials begin, such as those that sequential gates look at: the executor of the runner.
+    /// Without it there are none.
     pub memory: Option<&'o Remembered<'o>>,
     /// Whether gates leave out trials that their baseline lacks, instead of refusing to compare.
     pub lenient: bool,
+    /// Whether a few runs of each trial are made before all others, so that the reporter knows what runs take. That needs `memory`, too.
+    pub pilot: bool,
 }
 
 /// How often time is told when nothing happens.
@@ -53,9 +56,13 @@ impl<'a> Runner<'a> {
             self.look(units, orders.chosen, orders.max_failures, (memory, orders.lenient), reporter)
         });
         let mut chosen = orders.chosen.to_vec();
-        looked.called_off.iter().for_each(|unit| chosen[*unit] = false);
-        let coordinator = Coordinator::new(self, units, &Orders { chosen: &chosen, ..*orders }, looked.told);
-        let mut reporting = Reporting::new(self, units, orders.every_trial, reporter);
+        looked.called_off.iter().for_each(|(unit, _)| chosen[*unit] = false);
+        let pilots =
+            orders.memory.filter(|_| orders.pilot).map(|memory| self.pilot(units, &chosen, memory, reporter));
+        let mut reporting = Reporting::new(self, units, orders.every_trial, reporter).after(&looked.told);
+        let mut told = looked.told;
+        told.extend(pilots.into_iter().flatten());
+        let coordinator = Coordinator::new(self, units, &Orders { chosen: &chosen, ..*orders }, told);
         reporting.called_off(looked.called_off);
         let blocks = (0..units.len()).filter(|unit| units.is_block(*unit)).count();
         thread::scope(|scope| {

@@ -12,14 +12,23 @@ use files::Files;
 use results::judge::baseline::{Baseline, Incompatible};
 use results::judge::gate::judge_gate;
 use results::{
-    GateReport, GateState, NotJudged, Refusal, Skip, SuiteIdentity, SuiteReport, TrialReport, TrialState,
-    is_use, is_value, record_command,
+    Event, GateReport, GateState, NotJudged, Refusal, Reporter, Skip, SuiteIdentity, SuiteReport,
+    TrialReport, TrialState, is_use, is_value, record_command,
 };
 use scenario::{Gate, Suite};
 
 /// Judges every gate of every suite and puts what it came to into the suite's report. With `lenient`, trials that a
-/// baseline lacks are left out instead of being a reason not to compare.
-pub fn judge_gates<'a>(runner: &Runner<'a>, reports: &mut [SuiteReport], lenient: bool) {
+/// baseline lacks are left out instead of being a reason not to compare. Which gate it is, `reporter` is told.
+pub fn judge_gates<'a>(
+    runner: &Runner<'a>,
+    reports: &mut [SuiteReport],
+    lenient: bool,
+    reporter: &mut dyn Reporter,
+) {
+    let mut judging = |key: Option<&str>| {
+        reporter.tell(&Event::Judging(key));
+        reporter.flush();
+    };
     for (suite, report) in reports.iter_mut().enumerate() {
         let gates = &runner.suites()[suite].suite.gates;
         // Where one failed while runs came in, all is said.
@@ -30,6 +39,7 @@ pub fn judge_gates<'a>(runner: &Runner<'a>, reports: &mut [SuiteReport], lenient
         let identity = runner.identity(suite);
         let refusals: Vec<_> =
             gates.iter().map(|gate| other_runs(gate, &identity.set, runner.files())).collect();
+        judging(Some(&gate_key(&identity.suite, &gates[0])));
         // Runs that a trial did not need itself are made up for only where something is compared.
         let mut measured = refusals.contains(&None).then(|| {
             let trials: Vec<_> = report.trials.iter().collect();
@@ -41,14 +51,18 @@ pub fn judge_gates<'a>(runner: &Runner<'a>, reports: &mut [SuiteReport], lenient
             candidate.nondeterministic = nondeterministic(&runner.suites()[suite].suite, &report.controllers);
         }
         report.interrupted |= matches!(measured, Some(Err(_))) && runner.stop().is_requested();
-        let judged = |(gate, refusal): (&'a Gate, Option<Refusal>)| match (refusal, &measured) {
-            (None, Some(measured)) => judge_one_gate(runner, suite, gate, measured.as_ref(), lenient),
-            (refusal, _) => {
-                let state = GateState::Refused(refusal.expect("whatever is not refused was measured"));
-                GateReport { gate: Arc::new(gate.clone()), key: gate_key(&identity.suite, gate), state }
+        let judged = |(gate, refusal): (&'a Gate, Option<Refusal>)| {
+            judging(Some(&gate_key(&identity.suite, gate)));
+            match (refusal, &measured) {
+                (None, Some(measured)) => judge_one_gate(runner, suite, gate, measured.as_ref(), lenient),
+                (refusal, _) => {
+                    let state = GateState::Refused(refusal.expect("whatever is not refused was measured"));
+                    GateReport { gate: Arc::new(gate.clone()), key: gate_key(&identity.suite, gate), state }
+                }
             }
         };
         report.gates = gates.iter().zip(refusals).map(judged).collect();
+        judging(None);
     }
 }
 

@@ -9,10 +9,10 @@ use super::shared::Runner;
 use super::unit::{UnitKind, Units, with_needs};
 use crate::baseline::record_outcome;
 use crate::plan::PlannedTrial;
-use crate::run::{Panicked, Remembered};
+use crate::run::{Panicked, Remembered, Wanted};
 use results::judge::baseline::Baseline;
 use results::judge::gate::{LookRounds, look_at};
-use results::{Event, GateReport, GateState, GateVerdict, NotJudged, Reporter};
+use results::{Cut, Event, GateReport, GateState, GateVerdict, NotJudged, Outcome, Reporter, UnitReport};
 use scenario::{Case, Gate};
 
 /// Runs between which it is told how many there are, for each that is made at the same time.
@@ -23,8 +23,8 @@ const AT_ONCE: usize = 16;
 pub struct Looked {
     /// The gates of suites of which one has failed.
     pub gates: BTreeMap<usize, Vec<GateReport>>,
-    /// Units that are not run for that, in their order.
-    pub called_off: Vec<usize>,
+    /// Units that are not run for that, in their order; with what there is of those of which runs were made.
+    pub called_off: Vec<(usize, Option<UnitReport>)>,
     /// How many runs of a unit were told to be done.
     pub told: HashMap<usize, usize>,
 }
@@ -47,6 +47,7 @@ impl<'a> Runner<'a> {
         reporter: &mut dyn Reporter,
     ) -> Looked {
         let mut looked = Looked::default();
+        let mut called_off: Vec<usize> = Vec::new();
         let is_enough = |looked: &Looked| max_failures.is_some_and(|most| looked.gates.len() >= most);
         for suite in 0..self.suites().len() {
             // Who gives a trial so much time measures it while the trial is run.
@@ -78,16 +79,29 @@ impl<'a> Runner<'a> {
                     let needed = with_needs(units, only);
                     chosen[*unit] && open.iter().any(|trial| needed[*trial])
                 };
-                looked.called_off.extend(units.others().filter(needs_one));
-                looked.called_off.extend(open);
+                called_off.extend(units.others().filter(needs_one));
+                called_off.extend(open);
             }
         }
         if is_enough(&looked) {
             let left = |unit: &usize| chosen[*unit] && !looked.gates.contains_key(&units.suite(*unit));
             let others: Vec<usize> = (0..units.len()).filter(left).collect();
-            looked.called_off.extend(others);
+            called_off.extend(others);
         }
-        looked.called_off.sort_unstable();
+        called_off.sort_unstable();
+        called_off.dedup();
+        let report = |unit: usize| {
+            let finished = looked.told.get(&unit).copied().filter(|finished| *finished > 0)?;
+            let trial = units.get(unit).trial()?;
+            let known = (0..finished).filter_map(|run| memory.recall(&trial.cases.get(run)));
+            let asked = |mut outcome: Outcome| {
+                outcome.forget_unasked(&trial.criteria, self.requests());
+                outcome
+            };
+            let outcomes = known.map(asked).collect();
+            Some(Self::cut_off(&trial, outcomes, Cut::Gate { finished, runs: trial.cases.len() }))
+        };
+        looked.called_off = called_off.into_iter().map(|unit| (unit, report(unit))).collect();
         looked
     }
 
@@ -131,9 +145,18 @@ impl<'a> Runner<'a> {
             for some in wanted.chunks(AT_ONCE * self.executor().parallelism()) {
                 let cases: Vec<Case> =
                     some.iter().map(|(trial, run)| planned[*trial].1.cases.get(*run)).collect();
-                let made = Panicked::catch(|| self.batch().outcomes(cases.iter().cloned(), || ()));
-                // Its own trial says what is wrong with it.
-                let Ok(Ok(outcomes)) = made else { return Vec::new() };
+                let (wanted, mut outcomes) = (self.wanted(Wanted::Outcome), Vec::with_capacity(some.len()));
+                let made = Panicked::catch(|| {
+                    self.batch().each(
+                        cases.len(),
+                        wanted,
+                        |index| cases[index].clone(),
+                        |case, ran| {
+                            self.watched(&case, &ran);
+                            outcomes.push(ran.outcome);
+                        },
+                    )
+                });
                 for (((trial, run), case), outcome) in some.iter().zip(cases).zip(outcomes) {
                     record_outcome(&mut seen, (*trial, *run), &outcome, self.requests());
                     memory.keep(case, outcome);
@@ -143,6 +166,10 @@ impl<'a> Runner<'a> {
                 }
                 reporter.tell(&Event::Tick);
                 reporter.flush();
+                // Somebody wishes to stop; or a run's own trial says what is wrong with it.
+                if !matches!(made, Ok(Ok(()))) {
+                    return Vec::new();
+                }
             }
             let failing = |looking: &Looking<'a>| {
                 let verdict = look_at(looking.gate, &looking.base, &seen, lenient, after).ok()??;

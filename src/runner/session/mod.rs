@@ -9,6 +9,7 @@ mod earlier;
 mod gates;
 mod looks;
 mod on_demand;
+mod pilot;
 mod project_run;
 mod ratings;
 mod reporting;

@@ -27,6 +27,7 @@ pub struct Session<'a> {
     lenient: bool,
     courses: bool,
     every_trial: bool,
+    pilot: bool,
     earlier_seeds: Vec<Vec<TriedSeed>>,
     verify: VerifyRuns,
     notices: Mutex<Vec<String>>,
@@ -74,6 +75,7 @@ impl<'a> Session<'a> {
             lenient: false,
             courses: true,
             every_trial: true,
+            pilot: false,
             earlier_seeds: Vec::new(),
             verify: VerifyRuns::default(),
             notices: Mutex::default(),
@@ -117,6 +119,11 @@ impl<'a> Session<'a> {
         Self { every_trial: every, ..self }
     }
 
+    /// Whether a few runs of each trial are made before all others, for whoever tells how long everything takes. It changes no result.
+    pub fn pilot_runs(self, pilot: bool) -> Self {
+        Self { pilot, ..self }
+    }
+
     /// With the other seeds that each suite of the project was run with before, in its order: reports say which of them did not pass.
     pub fn after_seeds(self, earlier_seeds: Vec<Vec<TriedSeed>>) -> Self {
         Self { earlier_seeds, ..self }
@@ -158,10 +165,13 @@ impl<'a> Session<'a> {
                 &threads
             }
         };
-        let memory = Remembered::new(executor);
+        let memory = Remembered::new(executor).watched(self.watch.is_some());
         let is_sequential =
             self.project.suites().iter().flat_map(|one| &one.suite.gates).any(|gate| gate.sequential);
-        let executor: &dyn Executor = if is_sequential { &memory } else { executor };
+        // Whoever is given the courses of runs gets them as they come.
+        let pilot = self.pilot && self.watch.is_none();
+        let is_memorising = is_sequential || pilot;
+        let executor: &dyn Executor = if is_memorising { &memory } else { executor };
         let mut runner = Runner::new(self.project.suites(), executor, self.project.registry())
             .verifying(self.verify)
             .reading(self.project.files())
@@ -178,15 +188,16 @@ impl<'a> Session<'a> {
             first: &selection.first,
             max_failures: selection.max_failures,
             every_trial: self.every_trial || self.courses,
-            memory: is_sequential.then_some(&memory),
+            memory: is_memorising.then_some(&memory),
             lenient: self.lenient,
+            pilot,
         };
         let mut suites = runner.run(units, &orders, reporter);
         // Before runs are repeated, which other runs need not wait for.
         note_uses(executor, &mut suites);
         verify(&runner, &mut suites);
         judge_ratings(&runner, &mut suites);
-        judge_gates(&runner, &mut suites, self.lenient);
+        judge_gates(&runner, &mut suites, self.lenient, reporter);
         self.lock().extend(runner.notices());
         self.lock().extend(suites.iter().flat_map(|one| &one.people).filter_map(|one| one.warning.clone()));
         let mut results = Results { requests: runner.requests().clone(), suites, recordings: Vec::new() };

@@ -6,10 +6,10 @@ use std::time::{Duration, SystemTime};
 use super::shared::Runner;
 use super::tested_programs::tested_controllers;
 use super::trials::KeptTrials;
-use super::unit::{UnitKind, Units};
+use super::unit::{UnitKind, Units, Work};
 use crate::plan::people_used;
 use results::{
-    CutBy, Evaluations, Event, Program, Reporter, Skip, Standing, Stopping, SuiteReport, UnitReport,
+    Cut, CutBy, Evaluations, Event, Program, Reporter, Skip, Standing, Stopping, SuiteReport, UnitReport,
 };
 use scenario::{Block, Goal, Suite};
 
@@ -40,6 +40,8 @@ pub struct Reporting<'t, 'a> {
     others: BTreeMap<usize, UnitReport>,
     best: HashMap<usize, f64>,
     interrupted: bool,
+    /// How many runs of a unit were made before it began.
+    made_before: HashMap<usize, usize>,
 }
 
 /// Whether what is judged at the end looks at each trial of a suite.
@@ -65,7 +67,13 @@ impl<'t, 'a> Reporting<'t, 'a> {
             others: BTreeMap::new(),
             best: HashMap::new(),
             interrupted: false,
+            made_before: HashMap::new(),
         }
+    }
+
+    /// With units of which so many runs were made before they began.
+    pub fn after(self, made: &HashMap<usize, usize>) -> Self {
+        Self { made_before: made.clone(), ..self }
     }
 
     pub fn tell(&mut self, event: &Event) {
@@ -157,19 +165,33 @@ impl<'t, 'a> Reporting<'t, 'a> {
             self.tell(&Event::Stopping(Stopping::Interrupted));
         }
         for unit in called_off {
-            let reason = self.reason(&Off::Stopping(Stopping::Interrupted));
-            self.skipped(unit, reason);
+            let made = self.made_before.get(&unit).copied().unwrap_or(0);
+            match self.units.get(unit).work {
+                Work::Trial(trial) if made > 0 => {
+                    let cut = Cut::Trial { finished: made, runs: trial.cases.len() };
+                    self.finished(unit, Runner::cut_off(&trial, Vec::new(), cut));
+                }
+                _ => {
+                    let reason = self.reason(&Off::Stopping(Stopping::Interrupted));
+                    self.skipped(unit, reason);
+                }
+            }
         }
     }
 
-    /// A gate has failed before all runs were made, so that these units will not be run.
-    pub fn called_off(&mut self, units: Vec<usize>) {
+    /// A gate has failed before all runs were made, so that these units will not be run, or no further.
+    pub fn called_off(&mut self, units: Vec<(usize, Option<UnitReport>)>) {
         if !units.is_empty() {
             self.tell(&Event::Stopping(Stopping::GateFailed));
         }
-        for unit in units {
-            let reason = self.reason(&Off::Stopping(Stopping::GateFailed));
-            self.skipped(unit, reason);
+        for (unit, report) in units {
+            match report {
+                Some(report) => self.finished(unit, report),
+                None => {
+                    let reason = self.reason(&Off::Stopping(Stopping::GateFailed));
+                    self.skipped(unit, reason);
+                }
+            }
         }
     }
 

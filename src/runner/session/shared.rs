@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use super::unit::{Unit, Work};
 use crate::experiment::{BlockProgress, Context, EarlierResults, ExperimentError, run_block};
+use crate::plan::PlannedTrial;
 use crate::project::PlannedSuite;
 use crate::run::{
     Executor, FirstRuns, Job, JobPlace, MeasuredMetrics, Panicked, Ran, RunBatch, RunError, Stop, VerifyRuns,
@@ -14,8 +15,8 @@ use crate::run::{
 };
 use files::{Disk, Files};
 use results::{
-    BlockReport, BlockState, Cut, RecordedReport, RecordedState, Requests, Skip, SuiteIdentity, TrialReport,
-    TrialState, TriedSeed, UnitError, UnitReport,
+    BlockReport, BlockState, Cut, Outcome, RecordedReport, RecordedState, Requests, Skip, SuiteIdentity,
+    TrialReport, TrialState, TriedSeed, UnitError, UnitReport,
 };
 use scenario::registry::Registry;
 use scenario::{Block, Case};
@@ -169,7 +170,7 @@ impl<'a> Runner<'a> {
 
     /// A run of a unit.
     pub(super) fn job(&self, place: JobPlace, case: Case, wanted: Wanted) -> Job {
-        let wanted = if self.watch.is_some() { Wanted::Trace } else { wanted };
+        let wanted = self.wanted(wanted);
         Job { place, case, measured: self.measured.clone(), wanted, alone: false, change: None }
     }
 
@@ -184,9 +185,14 @@ impl<'a> Runner<'a> {
         format!("{told}{help}\nreplay: {}", self.identity(suite).replay_command(&case.key))
     }
 
-    /// Gives the course of a run to whoever wants it.
+    /// What is wanted of a run: its course, too, if somebody is given that.
+    pub(super) fn wanted(&self, wanted: Wanted) -> Wanted {
+        if self.watch.is_some() { Wanted::Trace } else { wanted }
+    }
+
+    /// Gives the course of a run to whoever wants it; one that is remembered has none, and was given before.
     pub(super) fn watched(&self, case: &Case, ran: &Ran) {
-        if let Some(watch) = self.watch {
+        if let Some(watch) = self.watch.filter(|_| !ran.trace.samples.is_empty()) {
             watch(case, &ran.trace);
         }
     }
@@ -223,6 +229,17 @@ impl<'a> Runner<'a> {
         };
         let key = block.key(&self.suites[suite].suite.name);
         BlockReport { block: block.clone(), key, state, wall_time: begun.elapsed() }
+    }
+
+    /// The report of a trial of which some runs were made, and no more are.
+    pub(super) fn cut_off(trial: &PlannedTrial, outcomes: Vec<Outcome>, cut: Cut) -> UnitReport {
+        UnitReport::Trial(TrialReport {
+            trial: trial.trial.clone(),
+            outcomes,
+            state: TrialState::NotFinished(cut),
+            departures: departures(trial),
+            wall_time: Duration::ZERO,
+        })
     }
 
     /// The report of a unit that is not run.

@@ -34,6 +34,16 @@ pub enum Work<'a> {
     Block(Arc<Block>),
 }
 
+impl Unit<'_> {
+    /// The trial that it is, if it is one.
+    pub(super) fn trial(self) -> Option<PlannedTrial> {
+        match self.work {
+            Work::Trial(trial) => Some(trial),
+            Work::Recorded(_) | Work::Block(_) => None,
+        }
+    }
+}
+
 /// The units of suites by their indices, suite after suite: what failed before, the trials, the blocks. There may be millions of
 /// trials, so each is planned when somebody asks for it.
 #[derive(Debug)]

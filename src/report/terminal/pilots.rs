@@ -1,0 +1,176 @@
+//! What pilot runs say of what trials cost that have yet to begin. It knows no clock.
+
+use std::collections::BTreeMap;
+use std::time::Duration;
+
+use super::time_left::TimeLeft;
+use numbers::distributions::student_quantile;
+
+/// A trial of which runs were made before it begins.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Pilot {
+    /// Runs that it has at most.
+    runs: usize,
+    /// What those took that were made, s.
+    took: Vec<f64>,
+}
+
+impl Pilot {
+    fn mean(&self) -> f64 {
+        self.took.iter().sum::<f64>() / self.took.len().max(1) as f64
+    }
+
+    fn made(&self) -> usize {
+        self.took.len()
+    }
+}
+
+/// A trial of which other runs are done, and more are to come.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct UnderWay {
+    pub unit: usize,
+    pub done: usize,
+    pub left: usize,
+    /// Of each run, s of wall time.
+    pub cost: f64,
+}
+
+/// Of all trials of which there are any.
+#[derive(Debug, Default)]
+pub(super) struct Pilots {
+    /// Those of which no other run is done yet, by their units.
+    ahead: BTreeMap<usize, Pilot>,
+    /// The others.
+    begun: BTreeMap<usize, Pilot>,
+    /// What runs cost of trials that are over, s of wall time, and what was expected of them by their pilot runs.
+    cost: f64,
+    expected: f64,
+    /// The squares of what was expected, each by the pilot runs that it is known from.
+    squares: f64,
+}
+
+/// Runs of one trial are taken to scatter so much, relative to their mean, where nothing is known of that.
+const SCATTER: f64 = 0.5;
+/// Nothing is known better than that: machines do other things, too.
+const FLOOR: f64 = 0.05;
+
+impl Pilots {
+    /// A pilot run of a unit that has so many `runs`.
+    pub fn made(&mut self, unit: usize, runs: usize, took: Duration) {
+        let pilot = self.ahead.entry(unit).or_default();
+        pilot.runs = runs;
+        pilot.took.push(took.as_secs_f64());
+    }
+
+    pub fn is_empty(&self) -> bool {
+        self.ahead.is_empty() && self.begun.is_empty()
+    }
+
+    /// How many of a unit were made.
+    pub fn of(&self, unit: usize) -> usize {
+        self.ahead.get(&unit).map_or(0, Pilot::made)
+    }
+
+    /// Another run of a unit is done, or it is over.
+    pub fn begin(&mut self, unit: usize) {
+        if let Some(pilot) = self.ahead.remove(&unit) {
+            self.begun.insert(unit, pilot);
+        }
+    }
+
+    /// A unit is over of which so many other runs were made; each cost so much, s of wall time.
+    pub fn over(&mut self, unit: usize, runs: usize, cost: Option<f64>) {
+        self.begin(unit);
+        let (Some(pilot), Some(cost)) = (self.begun.get(&unit), cost) else { return };
+        let expected = runs as f64 * pilot.mean();
+        self.cost += runs as f64 * cost;
+        self.expected += expected;
+        self.squares += square_of_error(expected, pilot.made(), runs);
+    }
+
+    /// How many runs there are of trials that have pilot runs and have yet to begin, without those.
+    pub fn runs_ahead(&self) -> usize {
+        self.ahead.values().map(|pilot| pilot.runs.saturating_sub(pilot.made())).sum()
+    }
+
+    pub fn trials_ahead(&self) -> usize {
+        self.ahead.len()
+    }
+
+    /// How much runs of one trial scatter, relative to their mean, and from how many that is known.
+    fn scatter(&self) -> (f64, f64) {
+        let all = self.ahead.values().chain(self.begun.values());
+        let (mut squares, mut freedom) = (0.0, 0.0);
+        for pilot in all.filter(|pilot| pilot.made() > 1) {
+            let mean = pilot.mean().max(1e-9);
+            squares += pilot.took.iter().map(|took| (took / mean - 1.0) * (took / mean - 1.0)).sum::<f64>();
+            freedom += (pilot.made() - 1) as f64;
+        }
+        if freedom < 1.0 { (SCATTER, 3.0) } else { ((squares / freedom).sqrt(), freedom) }
+    }
+
+    /// What a second of a run costs, s of wall time, with the square of its relative error in units of what runs scatter.
+    fn pace(&self, under_way: &[UnderWay]) -> Option<(f64, f64)> {
+        let (mut cost, mut expected, mut squares) = (self.cost, self.expected, self.squares);
+        for one in under_way {
+            let Some(pilot) = self.begun.get(&one.unit) else { continue };
+            let own = one.done as f64 * pilot.mean();
+            cost += one.done as f64 * one.cost;
+            expected += own;
+            squares += square_of_error(own, pilot.made(), one.done);
+        }
+        (expected > 0.0 && cost > 0.0).then(|| (cost / expected, squares / (expected * expected)))
+    }
+
+    /// What all trials still cost: those under way, those with pilot runs that have yet to begin, and so many `others` with so many `runs`, of
+    /// which nothing is known but that those with pilot runs are spread over all. It is within that at 95 %; `None` before any trial has begun.
+    pub fn left(&self, under_way: &[UnderWay], others: usize, runs: usize) -> Option<TimeLeft> {
+        let (pace, pace_error) = self.pace(under_way)?;
+        let (scatter, freedom) = self.scatter();
+        let mut expected = 0.0;
+        let mut squares = 0.0;
+        for pilot in self.ahead.values() {
+            let left = pilot.runs.saturating_sub(pilot.made());
+            let one = left as f64 * pilot.mean();
+            expected += one;
+            squares += square_of_error(one, pilot.made(), left);
+        }
+        let mut known = pace * expected;
+        let mut variance = pace * pace * (squares + pace_error * expected * expected);
+        for one in under_way {
+            let own = one.left as f64 * one.cost;
+            known += own;
+            // What they cost is taken from the later half of those that are done.
+            variance += square_of_error(own, one.done.div_ceil(2), one.left);
+        }
+        let off = student_quantile(0.975, freedom) * scatter * variance.sqrt() + FLOOR * known;
+        let (mut low, mut high) = (known - off, known + off);
+        if runs > 0 {
+            let means: Vec<f64> =
+                self.ahead.values().chain(self.begun.values()).map(|pilot| pace * pilot.mean()).collect();
+            let unknown = by_sample(&means, others)?;
+            low += runs as f64 * unknown.0;
+            high += runs as f64 * unknown.1;
+        }
+        Some(TimeLeft { least: low.max(0.0), most: Some(high) })
+    }
+}
+
+/// How far what so many `runs` take is off what it is `expected` to be after so many that are `known`, in units of what runs scatter, squared:
+/// both scatter.
+fn square_of_error(expected: f64, known: usize, runs: usize) -> f64 {
+    expected * expected * (1.0 / known.max(1) as f64 + 1.0 / runs.max(1) as f64)
+}
+
+/// Between what the mean cost of so many `others` lies at 95 %, of which these are a sample; `None` of fewer than two.
+fn by_sample(costs: &[f64], others: usize) -> Option<(f64, f64)> {
+    if costs.len() < 2 {
+        return None;
+    }
+    let number = costs.len() as f64;
+    let mean = costs.iter().sum::<f64>() / number;
+    let variance = costs.iter().map(|cost| (cost - mean) * (cost - mean)).sum::<f64>() / (number - 1.0);
+    let off = student_quantile(0.975, number - 1.0)
+        * (variance * (1.0 / others.max(1) as f64 + 1.0 / number)).sqrt();
+    Some(((mean - off).max(0.0), mean + off))
+}
