@@ -42,11 +42,35 @@ pub(super) struct Pilots {
     ahead: BTreeMap<usize, Pilot>,
     /// The others.
     begun: BTreeMap<usize, Pilot>,
-    /// What runs cost of trials that are over, s of wall time, and what was expected of them by their pilot runs.
+    /// Those that are over, in that order.
+    over: Vec<Over>,
+}
+
+/// What came of pilot runs.
+#[derive(Debug, Clone, Copy, Default)]
+struct Over {
+    /// What the other runs of a trial cost, s of wall time.
     cost: f64,
+    /// What was expected of them.
     expected: f64,
-    /// The squares of what was expected, each by the pilot runs that it is known from.
-    squares: f64,
+    /// As [`square_of_error`] has it.
+    square: f64,
+}
+
+impl Over {
+    fn of(pilot: &Pilot, runs: usize, cost: f64) -> Self {
+        let expected = runs as f64 * pilot.mean();
+        let square = square_of_error(expected, pilot.made(), runs);
+        Self { cost: runs as f64 * cost, expected, square }
+    }
+
+    fn and(self, other: Self) -> Self {
+        Self {
+            cost: self.cost + other.cost,
+            expected: self.expected + other.expected,
+            square: self.square + other.square,
+        }
+    }
 }
 
 /// Runs of one trial are taken to scatter so much, relative to their mean, where nothing is known of that.
@@ -82,10 +106,7 @@ impl Pilots {
     pub fn over(&mut self, unit: usize, runs: usize, cost: Option<f64>) {
         self.begin(unit);
         let (Some(pilot), Some(cost)) = (self.begun.get(&unit), cost) else { return };
-        let expected = runs as f64 * pilot.mean();
-        self.cost += runs as f64 * cost;
-        self.expected += expected;
-        self.squares += square_of_error(expected, pilot.made(), runs);
+        self.over.push(Over::of(pilot, runs, cost));
     }
 
     /// How many runs there are of trials that have pilot runs and have yet to begin, without those.
@@ -109,17 +130,22 @@ impl Pilots {
         if freedom < 1.0 { (SCATTER, 3.0) } else { ((squares / freedom).sqrt(), freedom) }
     }
 
-    /// What a second of a run costs, s of wall time, with the square of its relative error in units of what runs scatter.
+    /// What a second of a pilot run costs, s of wall time, with the square of its relative error in units of what runs scatter. By the later half
+    /// of what was done: a machine may have more or less to do beside it than at first.
     fn pace(&self, under_way: &[UnderWay]) -> Option<(f64, f64)> {
-        let (mut cost, mut expected, mut squares) = (self.cost, self.expected, self.squares);
-        for one in under_way {
-            let Some(pilot) = self.begun.get(&one.unit) else { continue };
-            let own = one.done as f64 * pilot.mean();
-            cost += one.done as f64 * one.cost;
-            expected += own;
-            squares += square_of_error(own, pilot.made(), one.done);
+        let now =
+            under_way.iter().filter_map(|one| Some(Over::of(self.begun.get(&one.unit)?, one.done, one.cost)));
+        let all: Vec<Over> = self.over.iter().copied().chain(now).collect();
+        let cost: f64 = all.iter().map(|one| one.cost).sum();
+        let mut later = Over::default();
+        for one in all.iter().rev() {
+            later = later.and(*one);
+            if 2.0 * later.cost >= cost {
+                break;
+            }
         }
-        (expected > 0.0 && cost > 0.0).then(|| (cost / expected, squares / (expected * expected)))
+        let Over { cost, expected, square } = later;
+        (expected > 0.0 && cost > 0.0).then(|| (cost / expected, square / (expected * expected)))
     }
 
     /// What all trials still cost: those under way, those with pilot runs that have yet to begin, and so many `others` with so many `runs`, of
