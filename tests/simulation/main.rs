@@ -23,6 +23,7 @@ mod keeping_clear;
 mod left_hand;
 mod meetings;
 mod numerics;
+mod perceived;
 mod otherwise;
 mod refuges;
 mod same_as;

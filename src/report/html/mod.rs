@@ -10,6 +10,8 @@ mod evaluate;
 mod failures;
 mod figure;
 mod gate;
+mod ghosts;
+mod margins;
 mod minds;
 mod pairs;
 mod plots;

@@ -142,7 +142,7 @@ impl Job {
     pub fn run(self) -> Done {
         let Self { place, case, measured, wanted, alone: _, change } = self;
         let MeasuredMetrics { requests, free_flows } = &*measured;
-        let mut watcher = Watcher::new(wanted, &case);
+        let mut watcher = Watcher::new(wanted, &case, requests);
         let run = || {
             let otherwise = (change.as_deref(), wanted == Wanted::Commands);
             let (outcome, commands) = run_changed(&case, otherwise, requests, free_flows, &mut watcher)?;
@@ -208,7 +208,7 @@ pub(super) enum Watcher {
 }
 
 impl Watcher {
-    pub fn new(wanted: Wanted, case: &Case) -> Self {
+    pub fn new(wanted: Wanted, case: &Case, requests: &Requests) -> Self {
         match wanted {
             Wanted::Outcome | Wanted::Decisions => Self::Nothing(Unwatched),
             Wanted::Trace => Self::Trace(Trace::default()),
@@ -216,7 +216,7 @@ impl Watcher {
                 Self::Both(Box::new(Timeline::new(&case.world)), Trace::default())
             }
             Wanted::Details => {
-                let (details, timeline) = (RecordedDetails::new(&case.world), Timeline::new(&case.world));
+                let (details, timeline) = (RecordedDetails::new(&case.world, requests.as_slice()), Timeline::new(&case.world));
                 Self::Details(Box::new(details), Box::new(timeline), Trace::default())
             }
         }
