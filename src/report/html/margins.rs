@@ -18,6 +18,8 @@ use sim::measure::StepReadings;
 struct Margin<'r> {
     criterion: &'r Criterion,
     dimension: Dimension,
+    /// SI units.
+    bound: f64,
     /// Whether the run speaks against it.
     fails: bool,
     /// Time in s and what was left of all until then, SI units.
@@ -81,6 +83,7 @@ fn margin<'r>(
     Some(Some(Margin {
         criterion,
         dimension,
+        bound: comparison.constant_bound(),
         fails: !wanted.standing(outcome, requests).holds,
         points,
         least: left(value)?,
@@ -139,9 +142,7 @@ fn picture(
         Some(TimeMark { look, time: margin.time?, value, label: said(margin.least) })
     });
     // What is left while nothing is near would press together what matters.
-    let bounds = margins.iter().filter_map(|margin| comparison(margin.criterion));
-    let bounds = bounds.map(|comparison| comparison.constant_bound().abs());
-    let high = bounds.chain(margins.iter().map(|margin| 1.2 * margin.least)).fold(0.0, f64::max);
+    let high = margins.iter().map(|margin| margin.bound.abs().max(1.2 * margin.least)).fold(0.0, f64::max);
     let plot = OverTime {
         title: format!("Margins of criteria ({symbol})"),
         y: AxisQuantity::new("what was left to the bound, worst so far", symbol),

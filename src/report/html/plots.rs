@@ -201,6 +201,7 @@ impl RunPlots {
             Some(shared_area::rows(&asked, recording, pair.details(recording)?, looks))
         });
         panels.push(shared_area::picture(rows.flatten().collect(), (from, to), moment));
+        let margins = margins::pictures(reports, requests, recording, (from, to), moment);
         let first: Vec<usize> = pairs.iter().map(|pair| pair.pedestrian).collect();
         let (minds, minds_left_out) = minds::pictures(recording, &first, (from, to), moment);
         let users_left_out = recording.users.len() - shown;
@@ -234,7 +235,6 @@ impl RunPlots {
             legend.push((look.swatch(false, true), words.into()));
         }
         let moment = moment.map_or_else(String::new, |time| format!("upright line: {time:.2} s"));
-        let margins = margins::pictures(reports, requests, recording, (from, to), moment);
         let panels = panels.into_iter().flatten().map(Picture::plain).chain(margins).chain(minds);
         Self { from, to, legend, panels: panels.collect(), moment, left_out }
     }
