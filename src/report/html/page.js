@@ -168,7 +168,7 @@
     });
     // Where controllers are told that others are who are elsewhere; whose, if there are several.
     const perceiving = run.users.filter((user) => user.perceived);
-    const ghosts = perceiving.flatMap((user) => run.users.filter((other) => other !== user).map((other) => {
+    const ghosts = perceiving.flatMap((user, place) => run.users.filter((other) => other !== user).map((other) => {
       const group = element("g", {}, view);
       element("title", {}, group, `${other.name} as perceived by ${user.name}`);
       const body = element("g", {}, group), { length, width } = other;
@@ -176,8 +176,10 @@
         if (other.round) element("circle", { class: kind, r: length / 2 }, body);
         else element("rect", { class: kind, x: -length / 2, y: -width / 2, width: length, height: width }, body);
       }
-      const label = perceiving.length > 1 && element("text", { "font-size": 0.8 * size, "text-anchor": "middle" }, group, `for ${user.name}`);
-      return { user, other, group, body, label };
+      const label = perceiving.length > 1 && element("text", { "font-size": 0.65 * size, "text-anchor": "middle" }, group, `for ${user.name}`);
+      // One above and the next below, so that those of one person do not cover each other.
+      const reach = (other.kind === "vehicle" ? other.width : Math.max(length, width)) / 2;
+      return { user, other, group, body, label, beside: place % 2 ? reach + 0.65 * size : -reach - 0.15 * size };
     }));
     return () => {
       // Of two runs the one beside follows who has the same name.
@@ -237,14 +239,14 @@
         }
         label.setAttribute("y", y);
       }
-      for (const { user, other, group, body, label } of ghosts) {
+      for (const { user, other, group, body, label, beside } of ghosts) {
         const told = perceivedNow(run, user).find(({ who }) => who === other), place = placeAt(other, time);
         group.setAttribute("visibility", told && place ? "visible" : "hidden");
         if (!told || !place) continue;
         body.setAttribute("transform", `translate(${told.x} ${flip(told.y)}) rotate(${(-place.h * 180) / Math.PI})`);
         if (!label) continue;
         label.setAttribute("x", told.x);
-        label.setAttribute("y", flip(told.y) - Math.max(other.length, other.width) / 2 - 0.3 * size);
+        label.setAttribute("y", flip(told.y) + beside);
       }
     };
   };
