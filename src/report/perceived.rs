@@ -10,7 +10,9 @@ pub fn perceived_words<'a>(world: &'a World, view: &'a PerceivedView) -> impl It
     let names = names.into_iter().chain(world.pedestrians.iter().map(|person| &*person.name));
     let names: Vec<&str> = names.collect();
     let late = match view.age {
-        Some(age) if hundredths(age) > 0.0 => format!(", {} late", with_unit(hundredths(age), Dimension::TIME)),
+        Some(age) if hundredths(age) > 0.0 => {
+            format!(", {} late", with_unit(hundredths(age), Dimension::TIME))
+        }
         _ => String::new(),
     };
     view.others.iter().filter_map(move |PerceivedOther { who, off, speed, .. }| {

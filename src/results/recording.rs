@@ -126,10 +126,8 @@ impl Recording {
             ..pair.clone()
         };
         self.meetings = details.pairs.iter().map(pair).collect();
-        let reading = |reading: &StepReadings| StepReadings {
-            worst: worst_between(reading, &steps),
-            ..*reading
-        };
+        let reading =
+            |reading: &StepReadings| StepReadings { worst: worst_between(reading, &steps), ..*reading };
         self.readings = details.readings.iter().map(reading).collect();
         let state = |state: &ModelState| ModelState {
             values: state.values.iter().map(|value| (value * STATE_DIGITS).round() / STATE_DIGITS).collect(),

@@ -76,7 +76,12 @@ const OVER_TIME: [&str; 9] = [
 
 /// What is drawn of a metric over time comes to its value to the last bit, also where it is thinned out; and nothing is of what is known at the end
 /// alone. How many there are.
-fn compare_readings(requests: &Requests, outcome: &Outcome, details: &RunDetails, recording: &Recording) -> usize {
+fn compare_readings(
+    requests: &Requests,
+    outcome: &Outcome,
+    details: &RunDetails,
+    recording: &Recording,
+) -> usize {
     let mut compared = 0;
     for (index, request) in requests.iter().enumerate() {
         let of = |all: &[StepReadings]| -> Option<Vec<Option<f64>>> {
@@ -95,7 +100,12 @@ fn compare_readings(requests: &Requests, outcome: &Outcome, details: &RunDetails
             // It only gets worse, and is there from when it is known on.
             let smallest = request.known().unwrap().worst == Worst::Smallest;
             assert!(so_far.windows(2).all(|pair| match (pair[0], pair[1]) {
-                (Some(one), Some(other)) => if smallest { other <= one } else { other >= one },
+                (Some(one), Some(other)) =>
+                    if smallest {
+                        other <= one
+                    } else {
+                        other >= one
+                    },
                 (before, _) => before.is_none(),
             }));
         }
@@ -103,7 +113,11 @@ fn compare_readings(requests: &Requests, outcome: &Outcome, details: &RunDetails
         for (time, known) in recording.times.iter().zip(&thinned) {
             let steps = details.times.partition_point(|end| end <= time);
             let is_last = Some(time) == recording.times.last();
-            assert!(is_last || *known == steps.checked_sub(1).and_then(|last| exact[last]), "{}", request.name());
+            assert!(
+                is_last || *known == steps.checked_sub(1).and_then(|last| exact[last]),
+                "{}",
+                request.name()
+            );
         }
     }
     compared

@@ -11,8 +11,7 @@ use scenario::World;
 use sim::{PerceivedView, Sample, Trace, simulate};
 
 const STREET: &str = "lanes 2; crossing unmarked;";
-const BEND: &str =
-    "path { straight 150 m; arc 90 deg radius 40 m left; straight 150 m }; lanes 2; crossing unmarked { at: 180 m };";
+const BEND: &str = "path { straight 150 m; arc 90 deg radius 40 m left; straight 150 m }; lanes 2; crossing unmarked { at: 180 m };";
 const WALKER: &str =
     "pedestrian walker { model scripted { speed: 1 m/s, delay: 2 s }; start 0.5 m from kerb }";
 
@@ -32,7 +31,9 @@ fn run_on(road: &str, users: &str) -> (World, Trace) {
 }
 
 fn av(sees: &str) -> String {
-    format!("vehicle av {{ controller constant_speed; speed 18 km/h; start 60 m before crossing; {sees} }}\n{WALKER}")
+    format!(
+        "vehicle av {{ controller constant_speed; speed 18 km/h; start 60 m before crossing; {sees} }}\n{WALKER}"
+    )
 }
 
 /// Where somebody was at a time, to the step.

@@ -424,7 +424,10 @@ mod tests {
     fn what_a_controller_is_told_that_is_not_so_goes_along() {
         let recording = perceiving();
         let drawn = shown(&recording);
-        assert_eq!(drawn["users"][0]["perceived"], json!([[2, 0.3, [[1, 1.5, -2.25, 0.36, 1.2]]], [3, null, []]]));
+        assert_eq!(
+            drawn["users"][0]["perceived"],
+            json!([[2, 0.3, [[1, 1.5, -2.25, 0.36, 1.2]]], [3, null, []]])
+        );
         assert_eq!(drawn["users"][1]["perceived"], Value::Null);
         assert_eq!(shown(&recorded())["users"][0]["perceived"], Value::Null);
         // Without the script it is drawn and told while it holds, and named as what it is.
@@ -436,7 +439,8 @@ mod tests {
         let still = still(&recording, 2.5);
         let (car, person) = (recording.name(0), recording.name(1));
         assert!(still.content.contains(&format!("<title>{person} as perceived by {car}</title>")));
-        let words = format!("{car} perceives {person} 0.36 m from where they are, moving at 1.2 m/s, 0.3 s late");
+        let words =
+            format!("{car} perceives {person} 0.36 m from where they are, moving at 1.2 m/s, 0.3 s late");
         assert_eq!(still.perceived, [words]);
     }
 

@@ -326,15 +326,17 @@ fn margins(drawn: &Drawn) -> Vec<serde_json::Value> {
 #[test]
 fn a_margin_is_what_was_left_to_the_bound_in_its_unit() {
     for (worst, mark, fails) in [(0.4, "-1100 ms", "✗"), (1.7, "+200 ms", "✓"), (1.5, "0 ms", "✓")] {
-        let drawn =
-            two_people().asked("min_ttc", ("min_ttc >= 1500 ms", 1.5), Some(worst), (6.03, "walker"));
+        let drawn = two_people().asked("min_ttc", ("min_ttc >= 1500 ms", 1.5), Some(worst), (6.03, "walker"));
         let drawn = with_readings(drawn, "min_ttc", (4.0, worst));
         let [panel] = &margins(&drawn)[..] else { panic!("one picture") };
         let svg = panel["svg"].as_str().unwrap();
         assert!(svg.contains(&format!(">{mark}</text>")), "{svg}");
         assert!(svg.contains(&format!("{mark} at 6.03 s")) && svg.contains("(ms)"), "{svg}");
         // The line ends where the mark is, and begins at what was left before.
-        let span = format!("min_ttc &gt;= 1500 ms from {} ms to 2500 ms", mark.trim_start_matches('+').trim_end_matches(" ms"));
+        let span = format!(
+            "min_ttc &gt;= 1500 ms from {} ms to 2500 ms",
+            mark.trim_start_matches('+').trim_end_matches(" ms")
+        );
         assert!(svg.contains(&span), "{span}\n{svg}");
         assert!(svg.contains(">the bound</text>"), "{svg}");
         let legend = panel["legend"].to_string();
@@ -362,7 +364,10 @@ fn what_is_known_at_the_end_is_named_and_not_drawn() {
     let drawn = with_readings(drawn, "min_ttc", (4.0, 0.4));
     let [panel] = &margins(&drawn)[..] else { panic!("one picture") };
     let words = panel["words"].as_str().unwrap();
-    assert!(words.starts_with("Not drawn, since not known before the end: ") && words.contains("pet >= 1.5 s"), "{words}");
+    assert!(
+        words.starts_with("Not drawn, since not known before the end: ") && words.contains("pet >= 1.5 s"),
+        "{words}"
+    );
     assert!(!panel["svg"].as_str().unwrap().contains("pet &gt;="));
 }
 

@@ -216,7 +216,8 @@ impl Watcher {
                 Self::Both(Box::new(Timeline::new(&case.world)), Trace::default())
             }
             Wanted::Details => {
-                let (details, timeline) = (RecordedDetails::new(&case.world, requests.as_slice()), Timeline::new(&case.world));
+                let (details, timeline) =
+                    (RecordedDetails::new(&case.world, requests.as_slice()), Timeline::new(&case.world));
                 Self::Details(Box::new(details), Box::new(timeline), Trace::default())
             }
         }
