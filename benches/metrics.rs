@@ -59,6 +59,7 @@ fn measure(bencher: Bencher, names: &[&str]) {
                     contacts: &[],
                     sightings: &[],
                     abreast: &Abreast::default(),
+                    views: Default::default(),
                     minds: Minds::default(),
                 });
             }

@@ -41,6 +41,7 @@ mod json;
 mod junit;
 mod models;
 mod pages;
+mod perceived;
 mod rating;
 mod replay;
 mod repository;

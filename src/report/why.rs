@@ -6,13 +6,14 @@ use serde_json::{Value, json};
 
 use super::drawing::moment_text;
 use super::format::with_unit;
+use super::perceived::perceived_words;
 use super::replay::{RunReason, describe, introduced, run_reasons};
 use results::{
     CameOf, FirstSeen, Neighbour, Otherwise, OtherwiseRun, Outcome, Requests, Story, TriedDeceleration,
     WhatIf,
 };
 use scenario::{Case, Criterion, Dimension};
-use sim::{Happening, StopReason, TimelineEvent};
+use sim::{Happening, PerceivedView, StopReason, TimelineEvent};
 
 /// So many events are told besides who is shown whom and the contact.
 const EVENTS: usize = 6;
@@ -191,6 +192,11 @@ fn course(run: &WhyRun, moment: Option<f64>) -> Vec<String> {
         );
         stamp(contact.time, said)
     }));
+    let perceived = misperceived(run, moment);
+    let told = perceived.iter().flat_map(|view| {
+        perceived_words(&run.case.world, view).map(|said| stamp(view.time, format!("{said} (last decision)")))
+    });
+    lines.extend(told);
     lines.sort_by(|one, other| one.0.total_cmp(&other.0));
     let mut lines: Vec<String> = lines.into_iter().map(|(_, line)| line).collect();
     lines.extend(never.into_iter().map(|(_, said)| said));
@@ -199,6 +205,14 @@ fn course(run: &WhyRun, moment: Option<f64>) -> Vec<String> {
         lines.push(format!("      …    {} more events: `replay` and `--json` have them", left_out + later));
     }
     lines
+}
+
+/// What controllers were told last until the run failed and was not so.
+fn misperceived<'r>(run: &WhyRun<'r>, moment: Option<f64>) -> Vec<&'r PerceivedView> {
+    let Some(moment) = moment else { return Vec::new() };
+    let views = &run.story.trace.perceived;
+    let vehicles = 0..run.case.world.vehicles.len();
+    vehicles.filter_map(|vehicle| PerceivedView::last(views, vehicle, moment)).collect()
 }
 
 /// When somebody was first shown whom, s, and that in words.
@@ -330,6 +344,19 @@ fn neighbour_words(neighbour: &Neighbour) -> String {
     }
 }
 
+/// What a controller was told that was not so, with names.
+fn perceived_json(run: &WhyRun, view: &PerceivedView) -> Value {
+    let world = &run.case.world;
+    let name = |who: usize| match who.checked_sub(world.vehicles.len()) {
+        None => &world.vehicles[who].name,
+        Some(person) => &world.pedestrians[person].name,
+    };
+    let others = view.others.iter().map(|one| {
+        json!({ "who": name(one.who), "place": [one.position.x, one.position.y], "off": one.off, "speed": one.speed })
+    });
+    json!({ "vehicle": name(view.vehicle), "time": view.time, "age": view.age, "others": others.collect::<Vec<_>>() })
+}
+
 /// The same as JSON: SI units, everything that happened, every deceleration that was tried.
 pub fn why_json(run: &WhyRun) -> Value {
     let WhyRun { case, story, .. } = run;
@@ -362,6 +389,7 @@ pub fn why_json(run: &WhyRun) -> Value {
         "first_seen": story.first_seen,
         "events": story.events,
         "contact": story.contact,
+        "perceived": misperceived(run, moment(story, &reasons)).iter().map(|view| perceived_json(run, view)).collect::<Vec<_>>(),
         "otherwise": story.otherwise,
         "nearest_passing": nearest,
     })

@@ -3,11 +3,12 @@
 use serde::{Deserialize, Serialize};
 
 use super::places::{self, Place};
+use super::requests::Requests;
 use super::written_details;
 use nalgebra::Vector2;
-use scenario::{Case, PedestrianSetup, Shape};
-use sim::measure::{PairDetails, PersonDetails, RunDetails};
-use sim::{ModelState, TimelineEvent, Trace};
+use scenario::{Case, Criterion, PedestrianSetup, Shape};
+use sim::measure::{PairDetails, PersonDetails, RunDetails, StepReadings};
+use sim::{ModelState, PerceivedView, TimelineEvent, Trace};
 
 /// A run as it is drawn. Metrics are never computed from it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -29,6 +30,13 @@ pub struct Recording {
     /// What each pedestrian's model made of it, one per time; none where it was not recorded.
     #[serde(default, skip_serializing_if = "Vec::is_empty", with = "written_details::people")]
     pub states: Vec<PersonDetails>,
+    /// Of metrics that are the worst of something over time: the worst since the time before; of those that criteria are about.
+    #[serde(default, skip_serializing_if = "Vec::is_empty", with = "written_details::readings")]
+    pub readings: Vec<StepReadings>,
+    /// What controllers were told of others and was not so, in the order of time: of each vehicle what it was told last at each time. One without
+    /// anybody says that all is so from then on.
+    #[serde(default, skip_serializing_if = "Vec::is_empty", with = "written_details::perceived")]
+    pub perceived: Vec<PerceivedView>,
 }
 
 /// One pedestrian and one vehicle in the distance-distance plane.
@@ -48,6 +56,8 @@ const INTERVAL: f64 = 0.1;
 const STATE_DIGITS: f64 = 1e4;
 /// Below this a heading is that of before, m/s.
 const STANDING: f64 = 0.01;
+/// Moments that are nearer than this are the same, s.
+const SAME_TIME: f64 = 1e-9;
 
 impl Recording {
     /// Thins out `trace`, which must be that of `case`.
@@ -62,6 +72,8 @@ impl Recording {
             users: vec![Vec::new(); headings.len()],
             meetings: Vec::new(),
             states: Vec::new(),
+            readings: Vec::new(),
+            perceived: Vec::new(),
         };
         let end = trace.samples.last().map_or(0.0, |sample| sample.time);
         let mut due = 0.0;
@@ -91,6 +103,7 @@ impl Recording {
                 }
             }
         }
+        recording.perceived = told_last(&trace.perceived, &recording.times);
         recording
     }
 
@@ -113,6 +126,9 @@ impl Recording {
             ..pair.clone()
         };
         self.meetings = details.pairs.iter().map(pair).collect();
+        let reading =
+            |reading: &StepReadings| StepReadings { worst: worst_between(reading, &steps), ..*reading };
+        self.readings = details.readings.iter().map(reading).collect();
         let state = |state: &ModelState| ModelState {
             values: state.values.iter().map(|value| (value * STATE_DIGITS).round() / STATE_DIGITS).collect(),
             ..state.clone()
@@ -128,6 +144,20 @@ impl Recording {
             self.states = details.people.iter().map(person).collect();
         }
         self
+    }
+
+    /// The same without what was measured over time that no criterion is about.
+    #[must_use]
+    pub fn about(mut self, criteria: &[Criterion], requests: &Requests) -> Self {
+        let about: Vec<usize> =
+            criteria.iter().filter_map(|criterion| requests.index(criterion.claim.metric())).collect();
+        self.readings.retain(|readings| about.contains(&readings.metric));
+        self
+    }
+
+    /// What the controller of a vehicle was told of others at its last decision until `time` (s) and was not so, if there is any.
+    pub fn perceived(&self, vehicle: usize, time: f64) -> Option<&PerceivedView> {
+        PerceivedView::last(&self.perceived, vehicle, time)
     }
 
     /// The name of a road user by its index.
@@ -188,6 +218,30 @@ impl Recording {
         }
         pairs
     }
+}
+
+/// The worst of every step since the time before, `steps` being the last one until each time; no step is left out.
+fn worst_between(reading: &StepReadings, steps: &[Option<usize>]) -> Vec<Option<f64>> {
+    let mut next = 0;
+    let mut worst = |until: usize| {
+        let since = &reading.worst[next.min(until)..until];
+        next = until;
+        since.iter().flatten().copied().reduce(|one, other| reading.worse(one, other))
+    };
+    let last = steps.len().saturating_sub(1);
+    let ends = steps.iter().map(|step| step.map_or(0, |step| step + 1)).enumerate();
+    ends.map(|(index, end)| worst(if index == last { reading.worst.len() } else { end })).collect()
+}
+
+/// Of each vehicle what it was told last at any of the `times` (s).
+fn told_last(perceived: &[PerceivedView], times: &[f64]) -> Vec<PerceivedView> {
+    let is_last = |(index, view): &(usize, &PerceivedView)| {
+        let next = perceived[index + 1..].iter().find(|next| next.vehicle == view.vehicle);
+        let first = times.partition_point(|time| *time < view.time - SAME_TIME);
+        let until = next.map_or(f64::INFINITY, |next| next.time - SAME_TIME);
+        times.get(first).is_some_and(|time| *time < until)
+    };
+    perceived.iter().enumerate().filter(is_last).map(|(_, view)| view.clone()).collect()
 }
 
 fn initial_heading(person: &PedestrianSetup) -> f64 {

@@ -1,14 +1,16 @@
 //! What is drawn of a run besides where everybody is, as it is written down: what has a value for each time as one line of text, as courses are.
 //!
 //! Values of a time to collision are divided by blanks, and `-` is none. Of a person's state they are as well, after the vehicle's place in the
-//! world or `-`; moments are divided by `;`, and one at which nothing is weighed is empty.
+//! world or `-`; moments are divided by `;`, and one at which nothing is weighed is empty. What a controller was told that was not so is a line a
+//! decision: the vehicle's place in the world, time and age or `-`, and for each of the others who it is, x, y, how far off, and the speed.
 
 use std::fmt::Display;
 
 use serde::{Deserialize, Serialize};
 
-use sim::measure::{PairDetails, PassingTimes, PersonDetails, VisitTimes};
-use sim::{ModelState, StateQuantity};
+use nalgebra::Vector2;
+use sim::measure::{PairDetails, PassingTimes, PersonDetails, StepReadings, VisitTimes};
+use sim::{ModelState, PerceivedOther, PerceivedView, StateQuantity};
 
 #[derive(Serialize, Deserialize)]
 struct WrittenPair {
@@ -31,6 +33,13 @@ struct WrittenPerson {
     quantities: Vec<StateQuantity>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     states: Option<String>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct WrittenReadings {
+    metric: usize,
+    is_smallest: bool,
+    worst: String,
 }
 
 fn joined(values: impl IntoIterator<Item = impl Display>, between: &str) -> String {
@@ -61,6 +70,28 @@ fn state(text: &str) -> Result<Option<ModelState>, String> {
     let mut parts = text.split(' ');
     let about = optional(parts.next().unwrap_or_default())?;
     Ok(Some(ModelState { about, values: parts.map(number).collect::<Result<_, _>>()? }))
+}
+
+fn other(other: &PerceivedOther) -> String {
+    let PerceivedOther { who, position, off, speed } = other;
+    format!("{who} {} {} {off} {speed}", position.x, position.y)
+}
+
+fn view(text: &str) -> Result<PerceivedView, String> {
+    let words: Vec<&str> = text.split(' ').collect();
+    let ([vehicle, time, age], others) =
+        words.split_first_chunk().ok_or_else(|| format!("`{text}` is nothing that is perceived"))?;
+    let other = |words: &[&str]| {
+        let &[who, x, y, off, speed] = words else { return Err(format!("`{text}` ends within somebody")) };
+        let position = Vector2::new(number(x)?, number(y)?);
+        Ok(PerceivedOther { who: number(who)?, position, off: number(off)?, speed: number(speed)? })
+    };
+    Ok(PerceivedView {
+        vehicle: number(vehicle)?,
+        time: number(time)?,
+        age: optional(age)?,
+        others: others.chunks(5).map(other).collect::<Result<_, _>>()?,
+    })
 }
 
 /// Pairs, for `#[serde(with = "…")]`.
@@ -128,5 +159,50 @@ pub mod people {
         };
         let written = Vec::<WrittenPerson>::deserialize(deserializer)?;
         written.into_iter().map(person).collect::<Result<_, String>>().map_err(D::Error::custom)
+    }
+}
+
+/// What controllers were told that was not so, for `#[serde(with = "…")]`.
+pub mod perceived {
+    use serde::de::Error;
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    use super::{PerceivedView, joined, maybe, other, view};
+
+    pub fn serialize<S: Serializer>(views: &[PerceivedView], serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(views.iter().map(|view| {
+            let first = [view.vehicle.to_string(), view.time.to_string(), maybe(view.age)];
+            joined(first.into_iter().chain(view.others.iter().map(other)), " ")
+        }))
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<PerceivedView>, D::Error> {
+        let written = Vec::<String>::deserialize(deserializer)?;
+        written.iter().map(|text| view(text)).collect::<Result<_, String>>().map_err(D::Error::custom)
+    }
+}
+
+/// What metrics are the worst of, for `#[serde(with = "…")]`.
+pub mod readings {
+    use serde::de::Error;
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    use super::{StepReadings, WrittenReadings, joined, maybe, values};
+
+    pub fn serialize<S: Serializer>(readings: &[StepReadings], serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(readings.iter().map(|one| WrittenReadings {
+            metric: one.metric,
+            is_smallest: one.is_smallest,
+            worst: joined(one.worst.iter().map(|one| maybe(*one)), " "),
+        }))
+    }
+
+    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<StepReadings>, D::Error> {
+        let readings = |written: WrittenReadings| {
+            let WrittenReadings { metric, is_smallest, worst } = written;
+            Ok(StepReadings { metric, is_smallest, worst: values(&worst)? })
+        };
+        let written = Vec::<WrittenReadings>::deserialize(deserializer)?;
+        written.into_iter().map(readings).collect::<Result<_, String>>().map_err(D::Error::custom)
     }
 }

@@ -192,6 +192,11 @@ impl Control {
         self.view.as_ref().unwrap_or(&self.observation)
     }
 
+    /// What there was to be seen at the last decision, and what was told of it; `None` where that is the same.
+    pub fn seen_and_told(&self) -> Option<(&Observation, &Observation)> {
+        Some((&self.observation, self.view.as_ref()?))
+    }
+
     /// Asks whoever drives what to do from now on; what it is up to then, unless it is outside and is waited for.
     fn ask(&mut self, driven: &mut Driven) -> Result<Option<Mode>, ControllerError> {
         if let (Some(perception), Some(view)) = (&mut driven.perception, &mut self.view) {

@@ -13,6 +13,7 @@ use super::keep_clear::KeepClear;
 use super::legs::Legs;
 use super::observer::{Ending, Minds, Observer, Sighting, Step, StopReason};
 use super::order::SteeredOrder;
+use super::perceived::Views;
 use super::road_users::RoadUsers;
 use super::solid::Solid;
 use super::start::{placed, waiting_outside};
@@ -517,6 +518,7 @@ impl Course {
             sightings: &self.sightings,
             abreast: &self.abreast,
             minds: Minds::new(&self.users.pedestrians),
+            views: Views::new(&self.controls, &self.users.vehicles),
         };
         if let Some(moment) = collision {
             // Once in a run, its last step; so it may allocate.

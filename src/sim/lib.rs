@@ -35,6 +35,7 @@ mod legs;
 pub mod measure;
 mod observer;
 mod order;
+mod perceived;
 pub mod random;
 mod road_users;
 pub mod script;
@@ -58,6 +59,7 @@ pub use fingerprint::Fingerprint;
 pub use hit::{hit_along, hit_at};
 pub use observer::{Ending, Minds, Observer, Sighting, Step, StopReason};
 pub use order::{LONGEST_PLAN, Order, SpeedPlan, SpeedPlanError, SteeredOrder, toward};
+pub use perceived::{PerceivedOther, PerceivedView, Views};
 pub use road_users::{Driven, Driver, RoadUsers};
 pub use scenario::agent::{
     Command, Controller, ControllerError, CrossingView, Dynamics, EgoState, Longitudinal, Mode, ModelError,

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::abreast::Abreast;
 use super::contact::Touch;
+use super::perceived::Views;
 use super::solid::Solid;
 use scenario::agent::{Mode, ModelState, Motion, Pedestrian, Snapshot, StateQuantity, velocity_inside};
 
@@ -48,6 +49,8 @@ pub struct Step<'a> {
     pub abreast: &'a Abreast,
     /// The models of all pedestrians, which tell what they make of the situation.
     pub minds: Minds<'a>,
+    /// What the controllers of all vehicles are told.
+    pub views: Views<'a>,
 }
 
 /// The models of pedestrians, to whoever looks on: they can be asked, and not told.

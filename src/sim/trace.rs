@@ -4,6 +4,7 @@ use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
 use super::observer::{Observer, Step};
+use super::perceived::PerceivedView;
 use super::solid::Solid;
 use scenario::agent::{Mode, Motion, Snapshot};
 
@@ -52,6 +53,10 @@ pub struct Trace {
     pub samples: Vec<Sample>,
     /// By index of the sample, in order.
     pub marks: Vec<(usize, TraceMark)>,
+    /// What controllers were told of others and was not so, in the order of the steps; one without anybody says that all is so from
+    /// then on. Nothing where it always is.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub perceived: Vec<PerceivedView>,
     /// Which pedestrians have a sample already.
     seen: Vec<bool>,
 }
@@ -91,6 +96,17 @@ impl Trace {
             acceleration: person.acceleration.dot(&person.heading),
             mode,
         });
+    }
+
+    /// What controllers were told that was not so, and that it is so from a decision on.
+    fn record_perceived(&mut self, step: &Step) {
+        for vehicle in 0..step.before.vehicles.len() {
+            let Some(view) = step.perceived(vehicle) else { continue };
+            let before = self.perceived.iter().rev().find(|one| one.vehicle == vehicle);
+            if !view.others.is_empty() || before.is_some_and(|before| !before.others.is_empty()) {
+                self.perceived.push(view);
+            }
+        }
     }
 
     /// Those who are there from the beginning of this step on.
@@ -162,6 +178,7 @@ impl Observer for Trace {
         };
         let known = self.marks.len();
         self.record_new(step);
+        self.record_perceived(step);
         self.mark_sightings(step, true);
         let mut moments: Vec<f64> =
             step.contacts.iter().filter(|touch| touch.begins).map(|touch| touch.moment).collect();

@@ -146,6 +146,30 @@ const sides = async (browser, name) => {
   await close();
 };
 
+// Where controllers are told late, others have a second outline where they are told to be, with and without JavaScript; and margins are drawn.
+const perceived = async (browser, name) => {
+  const { page, close } = await open(browser, { reducedMotion: "reduce" }, name);
+  const seen = () => page.locator("#view g:has(> title):not([visibility=hidden]) .ghost").count();
+  assert(await page.locator("#ghosts").isVisible(), `${name}: the legend says what they are`);
+  await page.locator("#time").fill("0");
+  assert.strictEqual(await seen(), 0, `${name}: none before anybody decides`);
+  await page.locator("#time").fill("4");
+  assert(await seen() > 1, `${name}: outlines where they are perceived`);
+  assert.match(await page.locator("#states").textContent(), /perceives walker \d+\.\d\d m from where they are, moving at \d+\.\d m\/s, 0\.\d+ s late/);
+  await page.locator("#also").selectOption({ index: 2 });
+  assert(await page.locator("#view2 .ghost").count() > 1, `${name}: beside it, too`);
+  assert(await page.locator(".plots:not([hidden]) svg", { hasText: "Margins of criteria" }).count() > 1, `${name}: margins`);
+  await page.screenshot({ path: path.join(pictures, `${name}_perceived.png`) });
+  await close();
+  const plain = await open(browser, { javaScriptEnabled: false }, name);
+  assert(await plain.page.locator("#view .ghost").first().isVisible(), `${name}: an outline without JavaScript`);
+  assert(await plain.page.locator("#ghosts").isVisible());
+  await plain.close();
+  const none = await open(browser, { reducedMotion: "reduce" }, "zebra_unsafe");
+  assert(!(await none.page.locator("#ghosts").isVisible()) && await none.page.locator(".ghost:not(.swatch *)").count() === 0, "who sees everything has none");
+  await none.close();
+};
+
 // Tables are sorted by a click and by Enter, and filtered.
 const tables = async (browser, name) => {
   const { page, close } = await open(browser, {}, name);
@@ -285,6 +309,7 @@ const map = async (browser, name) => {
   await beside(browser, "zebra_unsafe");
   await player(browser, "diff");
   await sides(browser, "diff");
+  await perceived(browser, "late_perception");
   await tables(browser, "two_variations");
   await links(browser, "two_variations");
   await map(browser, "two_variations");

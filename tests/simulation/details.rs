@@ -8,8 +8,8 @@ use models::standard;
 use results::{Outcome, Recording, Requests};
 use runner::plan::plan;
 use runner::run::{MeasuredMetrics, RunBatch, Serialised, Stop, Threads, Wanted};
-use scenario::{MetricReference, Settings, Value};
-use sim::measure::{PairDetails, difference};
+use scenario::{MetricReference, Settings, Value, Worst};
+use sim::measure::{PairDetails, RunDetails, StepReadings, difference};
 
 /// Whose sample may be higher than the metric by so much, s: the metric looks at every step, and times to collision fall by about a second
 /// each second.
@@ -61,18 +61,84 @@ fn pet_area(pair: &PairDetails) -> Option<f64> {
     if pair.contact.is_some() { Some(0.0) } else { between.reduce(f64::min) }
 }
 
+/// Metrics that are the worst over time of something.
+const OVER_TIME: [&str; 9] = [
+    "min_ttc",
+    "min_distance",
+    "drac",
+    "time_headway",
+    "max_deceleration",
+    "max_jerk",
+    "lateral_acceleration",
+    "vehicle_ttc",
+    "vehicle_distance",
+];
+
+/// What is drawn of a metric over time comes to its value to the last bit, also where it is thinned out; and nothing is of what is known at the end
+/// alone. How many there are.
+fn compare_readings(
+    requests: &Requests,
+    outcome: &Outcome,
+    details: &RunDetails,
+    recording: &Recording,
+) -> usize {
+    let mut compared = 0;
+    for (index, request) in requests.iter().enumerate() {
+        let of = |all: &[StepReadings]| -> Option<Vec<Option<f64>>> {
+            let found = all.iter().find(|one| one.metric == index)?;
+            Some(found.worst_so_far().collect())
+        };
+        let (exact, thinned) = (of(&details.readings), of(&recording.readings));
+        let value = outcome.metrics[index];
+        let known = OVER_TIME.contains(&request.name()) && value.is_some();
+        assert_eq!((exact.is_some(), thinned.is_some()), (known, known), "{}", request.name());
+        let (Some(exact), Some(thinned)) = (exact, thinned) else { continue };
+        compared += 1;
+        assert_eq!((exact.len(), thinned.len()), (details.times.len(), recording.times.len()));
+        for so_far in [&exact, &thinned] {
+            assert_eq!(*so_far.last().unwrap(), value, "{}", request.name());
+            // It only gets worse, and is there from when it is known on.
+            let smallest = request.known().unwrap().worst == Worst::Smallest;
+            assert!(so_far.windows(2).all(|pair| match (pair[0], pair[1]) {
+                (Some(one), Some(other)) =>
+                    if smallest {
+                        other <= one
+                    } else {
+                        other >= one
+                    },
+                (before, _) => before.is_none(),
+            }));
+        }
+        // What is drawn at a time is what was so until then.
+        for (time, known) in recording.times.iter().zip(&thinned) {
+            let steps = details.times.partition_point(|end| end <= time);
+            let is_last = Some(time) == recording.times.last();
+            assert!(
+                is_last || *known == steps.checked_sub(1).and_then(|last| exact[last]),
+                "{}",
+                request.name()
+            );
+        }
+    }
+    compared
+}
+
 fn timeless(outcome: &Outcome) -> Outcome {
     Outcome { wall_time: Default::default(), ..outcome.clone() }
 }
 
 #[test]
 fn what_is_drawn_is_what_metrics_measure() {
+    let mut readings = 0;
     let (mut urgent, mut bent, mut differ, mut gaps, mut samples, mut worst) = (0, 0, 0, 0, 0, 0.0_f64);
     for file in ["zebra_unsafe", "zebra", "streets", "euro_ncap_vru", "nhtsa_precrash"] {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("suites/{file}.suite"));
         let suite = lang::load(&path, &standard(), &Disk).unwrap_or_else(|_| panic!("{file}")).suite;
         let mut requests = Requests::defaults(&standard());
         requests.add(&straight());
+        for name in ["vehicle_ttc", "vehicle_distance"] {
+            requests.add(&MetricReference::plain(standard().metrics().get(name).unwrap()));
+        }
         let index = |name: &str| requests.iter().position(|one| one.name() == name).unwrap();
         let (ttc, ttc_straight) = (index("min_ttc"), requests.index(&straight()).unwrap());
         let (by_centres, by_areas) = (index("pet"), index("pet_area"));
@@ -108,6 +174,7 @@ fn what_is_drawn_is_what_metrics_measure() {
             assert!(
                 recording.meetings.iter().all(|pair| pair.time_to_collision.len() == recording.times.len())
             );
+            readings += compare_readings(&measured.requests, &ran.outcome, details, &recording);
             for (drawn, exact) in recording.meetings.iter().zip(&details.pairs) {
                 let of =
                     |pair: &PairDetails| pair.time_to_collision.iter().flatten().copied().reduce(f64::min);
@@ -127,6 +194,7 @@ fn what_is_drawn_is_what_metrics_measure() {
         "{urgent} urgent, {bent} in bends, {differ} otherwise straight on, {gaps} gaps, {samples} samples, worst {worst}"
     );
     assert!(urgent > 20 && bent > 10 && differ > 2 && gaps > 20 && samples > 20);
+    assert!(readings > 500, "{readings}");
     assert!(worst < BETWEEN_SAMPLES, "{worst}");
 }
 

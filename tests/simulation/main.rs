@@ -24,6 +24,7 @@ mod left_hand;
 mod meetings;
 mod numerics;
 mod otherwise;
+mod perceived;
 mod refuges;
 mod same_as;
 mod sequential_gates;

@@ -5,7 +5,7 @@ use scenario::{Absence, Metric, MetricKind, MetricRange, Scope, Worst};
 use scenario::{Declaration, Dimension, Parameter};
 use sim::Step;
 use sim::measure::lerp;
-use sim::measure::{Encounters, Meter, MetricContext, meters};
+use sim::measure::{Encounters, InStep, Meter, MetricContext, meters};
 
 fn window() -> Parameter {
     Parameter::number(
@@ -66,6 +66,10 @@ impl Meter for MaxDeceleration {
 
     fn instant(&self, _: &Encounters) -> Option<f64> {
         self.0.instant
+    }
+
+    fn in_step(&self, _: &Encounters) -> InStep {
+        self.0.rate(self.0.latest_drop).into()
     }
 }
 
@@ -129,6 +133,8 @@ struct Deceleration {
     speeds: Sliding<1>,
     /// m/s over one window; `None` before the first step.
     largest_drop: Option<f64>,
+    /// The same in the last step.
+    latest_drop: Option<f64>,
     /// At the end of the window in which that was, s; `None` if the vehicle never slowed down.
     instant: Option<f64>,
 }
@@ -142,6 +148,7 @@ impl Deceleration {
             standstill: context.settings.number("standstill"),
             speeds: Sliding::new([window], context.world.step),
             largest_drop: None,
+            latest_drop: None,
             instant: None,
         }
     }
@@ -152,6 +159,7 @@ impl Deceleration {
         // Speeds below standstill count as standstill, which bends the signal where it gets there.
         let floor = self.standstill;
         let counted = |(time, speed): (f64, f64)| (time, speed.max(floor));
+        self.latest_drop = None;
         if (from.1 - floor) * (to.1 - floor) < 0.0 {
             let part = (floor - from.1) / (to.1 - from.1);
             let bend = (lerp(from.0, to.0, part), floor);
@@ -164,6 +172,7 @@ impl Deceleration {
 
     fn go(&mut self, from: (f64, f64), to: (f64, f64)) {
         let mut largest = self.largest_drop.unwrap_or(0.0);
+        let mut latest = self.latest_drop.unwrap_or(0.0);
         let instant = &mut self.instant;
         self.speeds.advance(from, to, |time, speed, [earlier]| {
             let drop = earlier - speed;
@@ -172,12 +181,19 @@ impl Deceleration {
                 *instant = Some(time);
             }
             largest = largest.max(drop);
+            latest = latest.max(drop);
         });
         self.largest_drop = Some(largest);
+        self.latest_drop = Some(latest);
     }
 
     /// m/s²
     fn largest(&self) -> Option<f64> {
-        self.largest_drop.map(|drop| (drop / self.window * 1e9).round() / 1e9)
+        self.rate(self.largest_drop)
+    }
+
+    /// A drop (m/s) over the window, m/s².
+    fn rate(&self, drop: Option<f64>) -> Option<f64> {
+        drop.map(|drop| (drop / self.window * 1e9).round() / 1e9)
     }
 }

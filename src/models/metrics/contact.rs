@@ -4,7 +4,9 @@ use nalgebra::Vector2;
 use scenario::{Absence, Metric, MetricKind, MetricRange, Scope, Shape, Side, Worst};
 use scenario::{ChoiceOption, Declaration, Dimension, Parameter, Value};
 use sim::geometry::{Footprint, apart, distance};
-use sim::measure::{Contact, Encounters, Meter, MetricContext, difference, half_extent_along, lerp, meters};
+use sim::measure::{
+    Contact, Encounters, InStep, Meter, MetricContext, difference, half_extent_along, lerp, meters,
+};
 use sim::{PedestrianState, Solid, Step, VehicleState};
 
 pub fn collision() -> Metric {
@@ -263,6 +265,10 @@ struct MinDistance {
     /// Of the vehicle at the end of the step before.
     pose: Option<(Vector2<f64>, Vector2<f64>)>,
     smallest: Option<Smallest>,
+    /// In the last step, m.
+    latest: Option<f64>,
+    /// When that began, s.
+    since: f64,
 }
 
 /// A distance (m) and when it was (s).
@@ -274,7 +280,8 @@ struct Smallest {
 
 impl MinDistance {
     fn new(context: &MetricContext) -> Self {
-        Self { pair: (context.vehicle, context.pedestrian), last: None, pose: None, smallest: None }
+        let pair = (context.vehicle, context.pedestrian);
+        Self { pair, last: None, pose: None, smallest: None, latest: None, since: 0.0 }
     }
 }
 
@@ -282,6 +289,7 @@ impl Meter for MinDistance {
     fn observe(&mut self, step: &Step, _: &Encounters) {
         let (old_car, car) = (&step.before.vehicles[self.pair.0], &step.after.vehicles[self.pair.0]);
         let (old, new) = (&step.before.pedestrians[self.pair.1], &step.after.pedestrians[self.pair.1]);
+        (self.latest, self.since) = (None, step.time);
         if !old.present {
             return;
         }
@@ -295,7 +303,9 @@ impl Meter for MinDistance {
             }
         };
         let mut smallest = self.smallest.unwrap_or(Smallest { distance: f64::INFINITY, time: step.time });
+        let mut latest = f64::INFINITY;
         let mut consider = |distance: f64, part: f64| {
+            latest = latest.min(distance);
             if distance < smallest.distance {
                 smallest = Smallest { distance, time: step.time + part * step.duration };
             }
@@ -313,6 +323,7 @@ impl Meter for MinDistance {
         self.last = Some(after);
         self.pose = Some(now);
         self.smallest = Some(smallest);
+        self.latest = Some(latest);
     }
 
     fn value(&self, encounters: &Encounters) -> Option<f64> {
@@ -326,6 +337,13 @@ impl Meter for MinDistance {
         match encounters.pair(self.pair.0, self.pair.1).contact {
             Some(contact) => Some(contact.time),
             None => self.smallest.map(|smallest| smallest.time),
+        }
+    }
+
+    fn in_step(&self, encounters: &Encounters) -> InStep {
+        match encounters.pair(self.pair.0, self.pair.1).contact {
+            Some(contact) if contact.time >= self.since => InStep::Worst(0.0),
+            _ => self.latest.map(|distance| difference(distance, 0.0)).into(),
         }
     }
 }

@@ -103,6 +103,7 @@ fn observe(world: &World, requests: &[MetricReference], car: &Profile, walk: &Wa
             contacts: contacts.found(),
             sightings: &[],
             abreast: &Abreast::default(),
+            views: Default::default(),
             minds: Minds::default(),
         };
         if let Some(moment) = collision {

@@ -3,7 +3,7 @@
 use super::travel::standing;
 use scenario::{Absence, Declaration, Dimension, Metric, MetricKind, MetricRange, Scope, Worst};
 use sim::Step;
-use sim::measure::{Encounters, Meter, half_extent, lerp, meters, part_within};
+use sim::measure::{Encounters, InStep, Meter, half_extent, lerp, meters, part_within};
 
 pub fn time_headway() -> Metric {
     let declaration = Declaration::new(
@@ -25,6 +25,7 @@ pub fn time_headway() -> Metric {
                 pair: (context.vehicle, context.pedestrian),
                 standing: context.settings.number("standing"),
                 smallest: None,
+                latest: None,
             })
         }),
     }
@@ -36,6 +37,8 @@ struct TimeHeadway {
     standing: f64,
     /// s, and when that was, s.
     smallest: Option<(f64, f64)>,
+    /// In the last step, s.
+    latest: Option<f64>,
 }
 
 /// Contact with the front closes the gap up to rounding, m.
@@ -43,6 +46,7 @@ const ROUNDING: f64 = 1e-9;
 
 impl Meter for TimeHeadway {
     fn observe(&mut self, step: &Step, encounters: &Encounters) {
+        self.latest = None;
         let encounter = encounters.pair(self.pair.0, self.pair.1);
         let Some((old, new)) = encounter.places else { return };
         if old.ambiguous || new.ambiguous {
@@ -62,6 +66,7 @@ impl Meter for TimeHeadway {
                 continue;
             }
             let headway = gap.max(0.0) / speed;
+            self.latest = Some(self.latest.map_or(headway, |latest| latest.min(headway)));
             if self.smallest.is_none_or(|(smallest, _)| headway < smallest) {
                 self.smallest = Some((headway, step.time + part * step.duration));
             }
@@ -74,5 +79,9 @@ impl Meter for TimeHeadway {
 
     fn instant(&self, _: &Encounters) -> Option<f64> {
         self.smallest.map(|(_, instant)| instant)
+    }
+
+    fn in_step(&self, _: &Encounters) -> InStep {
+        self.latest.into()
     }
 }

@@ -4,7 +4,7 @@ use super::sliding::Sliding;
 use scenario::{Absence, Metric, MetricKind, MetricRange, Scope, Worst};
 use scenario::{Declaration, Dimension, Parameter};
 use sim::Step;
-use sim::measure::{Encounters, Meter, MetricContext, meters};
+use sim::measure::{Encounters, InStep, Meter, MetricContext, meters};
 
 fn window() -> Parameter {
     Parameter::number(
@@ -53,6 +53,10 @@ impl Meter for MaxJerk {
     fn instant(&self, _: &Encounters) -> Option<f64> {
         (self.0.largest > 0.0).then_some(self.0.instant)
     }
+
+    fn in_step(&self, _: &Encounters) -> InStep {
+        (self.0.duration > 0.0).then_some(self.0.latest).into()
+    }
 }
 
 pub fn rms_jerk() -> Metric {
@@ -95,6 +99,8 @@ struct Jerk {
     largest: f64,
     /// When that was, s.
     instant: f64,
+    /// The same in the last step, m/s³.
+    latest: f64,
     /// Of the jerk's square over time, m²/s⁵.
     square_integral: f64,
     /// s
@@ -110,6 +116,7 @@ impl Jerk {
             speeds: Sliding::new([window, 2.0 * window], context.world.step),
             last: 0.0,
             largest: 0.0,
+            latest: 0.0,
             instant: 0.0,
             square_integral: 0.0,
             duration: 0.0,
@@ -119,10 +126,12 @@ impl Jerk {
     fn observe(&mut self, step: &Step) {
         let from = (step.time, step.before.vehicles[self.vehicle].motion.speed);
         let to = (step.time + step.duration, step.after.vehicles[self.vehicle].motion.speed);
-        let Self { window, speeds, last, largest, instant, square_integral, .. } = self;
+        let Self { window, speeds, last, largest, instant, latest, square_integral, .. } = self;
+        *latest = 0.0;
         let mut since = from.0;
         speeds.advance(from, to, |time, speed, [earlier, earliest]| {
             let jerk = (speed - 2.0 * earlier + earliest) / (*window * *window);
+            *latest = latest.max(jerk.abs());
             if jerk.abs() > *largest {
                 (*largest, *instant) = (jerk.abs(), time);
             }

@@ -2,7 +2,7 @@
 
 use scenario::{Absence, Declaration, Dimension, Metric, MetricKind, MetricRange, Scope, Worst};
 use sim::Step;
-use sim::measure::{Encounters, Meter, meters};
+use sim::measure::{Encounters, InStep, Meter, meters};
 
 pub fn lateral_acceleration() -> Metric {
     let declaration = Declaration::new(
@@ -18,7 +18,12 @@ pub fn lateral_acceleration() -> Metric {
         absence: Absence::Open,
         range: MetricRange::NotNegative,
         meters: meters(|context| {
-            Box::new(LateralAcceleration { vehicle: context.vehicle, largest: None, instant: None })
+            Box::new(LateralAcceleration {
+                vehicle: context.vehicle,
+                largest: None,
+                latest: None,
+                instant: None,
+            })
         }),
     }
 }
@@ -27,6 +32,8 @@ struct LateralAcceleration {
     vehicle: usize,
     /// m/s²; `None` before the first step.
     largest: Option<f64>,
+    /// In the last step, m/s².
+    latest: Option<f64>,
     /// When that was, s; `None` where it never went round a bend.
     instant: Option<f64>,
 }
@@ -45,8 +52,10 @@ impl Meter for LateralAcceleration {
             }
         };
         let speed = before.speed.max(car.motion.speed);
-        if bend * speed * speed > *largest {
-            *largest = bend * speed * speed;
+        let acceleration = bend * speed * speed;
+        self.latest = Some(acceleration);
+        if acceleration > *largest {
+            *largest = acceleration;
             self.instant = Some(step.time + step.duration);
         }
     }
@@ -57,5 +66,9 @@ impl Meter for LateralAcceleration {
 
     fn instant(&self, _: &Encounters) -> Option<f64> {
         self.instant
+    }
+
+    fn in_step(&self, _: &Encounters) -> InStep {
+        self.latest.into()
     }
 }

@@ -3,7 +3,7 @@
 use scenario::{Absence, Located, Metric, MetricKind, MetricRange, Scope, Worst};
 use scenario::{ChoiceOption, Declaration, Dimension, Parameter, Settings, Value};
 use sim::geometry::first_contact;
-use sim::measure::{Encounter, Encounters, Meter, MetricContext, meters};
+use sim::measure::{Encounter, Encounters, InStep, Meter, MetricContext, meters};
 use sim::measure::{half_extent, strip};
 use sim::{PedestrianState, Step, VehicleState};
 
@@ -69,6 +69,8 @@ pub fn min_ttc() -> Metric {
                 prediction: Prediction::of(context.settings),
                 smallest: None,
                 instant: 0.0,
+                latest: None,
+                since: 0.0,
             })
         }),
     }
@@ -80,17 +82,23 @@ struct MinTtc {
     smallest: Option<f64>,
     /// When that was, s.
     instant: f64,
+    /// At the end of the last step, s.
+    latest: Option<f64>,
+    /// When that step began, s.
+    since: f64,
 }
 
 impl Meter for MinTtc {
     fn observe(&mut self, step: &Step, encounters: &Encounters) {
+        (self.latest, self.since) = (None, step.time);
         let (car, person) = (&step.after.vehicles[self.pair.0], &step.after.pedestrians[self.pair.1]);
         // Who is not there yet is on no course.
         if !step.before.pedestrians[self.pair.1].present {
             return;
         }
         let encounter = encounters.pair(self.pair.0, self.pair.1);
-        if let Some(time) = self.prediction.time(encounter, car, person)
+        self.latest = self.prediction.time(encounter, car, person);
+        if let Some(time) = self.latest
             && self.smallest.is_none_or(|smallest| time < smallest)
         {
             self.smallest = Some(time);
@@ -106,6 +114,13 @@ impl Meter for MinTtc {
         match encounters.pair(self.pair.0, self.pair.1).contact {
             Some(contact) => Some(contact.time),
             None => self.smallest.map(|_| self.instant),
+        }
+    }
+
+    fn in_step(&self, encounters: &Encounters) -> InStep {
+        match encounters.pair(self.pair.0, self.pair.1).contact {
+            Some(contact) if contact.time >= self.since => InStep::Worst(0.0),
+            _ => self.latest.into(),
         }
     }
 }
@@ -152,6 +167,8 @@ struct Drac {
     largest: Option<f64>,
     /// When that was, s.
     instant: f64,
+    /// At the end of the last step, m/s².
+    latest: Option<f64>,
     /// Whether they were on a collision course with the pedestrian ahead of the front.
     was_ahead: bool,
 }
@@ -164,6 +181,7 @@ impl Drac {
             prediction: Prediction::of(context.settings),
             largest: None,
             instant: 0.0,
+            latest: None,
             was_ahead: false,
         }
     }
@@ -171,6 +189,7 @@ impl Drac {
 
 impl Meter for Drac {
     fn observe(&mut self, step: &Step, encounters: &Encounters) {
+        self.latest = None;
         let encounter = encounters.pair(self.pair.0, self.pair.1);
         let (car, person) = (&step.after.vehicles[self.pair.0], &step.after.pedestrians[self.pair.1]);
         // Who is not there yet is nowhere.
@@ -184,7 +203,8 @@ impl Meter for Drac {
             (true, false) if self.was_ahead => Some(f64::INFINITY),
             _ => None,
         };
-        if let Some(rate) = rate.map(|rate| rate.min(self.ceiling))
+        self.latest = rate.map(|rate| rate.min(self.ceiling));
+        if let Some(rate) = self.latest
             && self.largest.is_none_or(|largest| rate > largest)
         {
             self.largest = Some(rate);
@@ -199,6 +219,10 @@ impl Meter for Drac {
 
     fn instant(&self, _: &Encounters) -> Option<f64> {
         self.largest.map(|_| self.instant)
+    }
+
+    fn in_step(&self, _: &Encounters) -> InStep {
+        self.latest.into()
     }
 }
 

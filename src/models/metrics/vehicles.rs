@@ -5,7 +5,7 @@ use scenario::{
     Absence, Declaration, Dimension, Metric, MetricKind, MetricRange, PathConflict, Scope, Worst,
 };
 use sim::geometry::{Footprint, apart};
-use sim::measure::{Contact, Encounters, End, Meter, MetricContext, Open, difference, meters};
+use sim::measure::{Contact, Encounters, End, InStep, Meter, MetricContext, Open, difference, meters};
 use sim::{Solid, Step, VehicleState, path_conflicts, vehicles_meet};
 
 const CONFLICT: &str = "shared area: what the bodies of both sweep along their lanes where these cross, so that a vehicle is in it \
@@ -183,7 +183,7 @@ pub fn vehicle_ttc() -> Metric {
                 Some(Solid::Vehicle(other)) => Some((context.vehicle, other)),
                 _ => None,
             };
-            Box::new(VehicleTtc { pair: others, smallest: None })
+            Box::new(VehicleTtc { pair: others, smallest: None, latest: None, since: 0.0 })
         }),
     }
 }
@@ -192,6 +192,10 @@ struct VehicleTtc {
     pair: Option<(usize, usize)>,
     /// s, and when that was, s.
     smallest: Option<(f64, f64)>,
+    /// At the end of the last step, s.
+    latest: Option<f64>,
+    /// When that step began, s.
+    since: f64,
 }
 
 fn contact(pair: Option<(usize, usize)>, encounters: &Encounters) -> Option<Contact> {
@@ -202,7 +206,8 @@ impl Meter for VehicleTtc {
     fn observe(&mut self, step: &Step, _: &Encounters) {
         let Some((one, other)) = self.pair else { return };
         let (one, other) = (&step.after.vehicles[one], &step.after.vehicles[other]);
-        if let Some(time) = vehicles_meet(one, other)
+        (self.latest, self.since) = (vehicles_meet(one, other), step.time);
+        if let Some(time) = self.latest
             && self.smallest.is_none_or(|(smallest, _)| time < smallest)
         {
             self.smallest = Some((time, step.time + step.duration));
@@ -220,6 +225,13 @@ impl Meter for VehicleTtc {
         match contact(self.pair, encounters) {
             Some(contact) => Some(contact.time),
             None => self.smallest.map(|(_, instant)| instant),
+        }
+    }
+
+    fn in_step(&self, encounters: &Encounters) -> InStep {
+        match contact(self.pair, encounters) {
+            Some(contact) if contact.time >= self.since => InStep::Worst(0.0),
+            _ => self.latest.into(),
         }
     }
 }
@@ -243,7 +255,7 @@ pub fn vehicle_distance() -> Metric {
                 Some(Solid::Vehicle(other)) => Some((context.vehicle, other)),
                 _ => None,
             };
-            Box::new(VehicleDistance { pair: others, smallest: None })
+            Box::new(VehicleDistance { pair: others, smallest: None, latest: None, since: 0.0 })
         }),
     }
 }
@@ -252,6 +264,10 @@ struct VehicleDistance {
     pair: Option<(usize, usize)>,
     /// m, and when that was, s.
     smallest: Option<(f64, f64)>,
+    /// In the last step, m.
+    latest: Option<f64>,
+    /// When that began, s.
+    since: f64,
 }
 
 fn between(one: &VehicleState, other: &VehicleState) -> f64 {
@@ -271,7 +287,9 @@ impl Meter for VehicleDistance {
         let (old_other, new_other) = (&step.before.vehicles[other], &step.after.vehicles[other]);
         let (before, after) = (between(old_one, old_other), between(new_one, new_other));
         let mut smallest = self.smallest.unwrap_or((f64::INFINITY, step.time));
+        let mut latest = f64::INFINITY;
         let mut consider = |distance: f64, part: f64| {
+            latest = latest.min(distance);
             if distance < smallest.0 {
                 smallest = (distance, step.time + part * step.duration);
             }
@@ -287,6 +305,7 @@ impl Meter for VehicleDistance {
             consider(distance, part);
         }
         self.smallest = Some(smallest);
+        (self.latest, self.since) = (Some(latest), step.time);
     }
 
     fn value(&self, encounters: &Encounters) -> Option<f64> {
@@ -300,6 +319,13 @@ impl Meter for VehicleDistance {
         match contact(self.pair, encounters) {
             Some(contact) => Some(contact.time),
             None => self.smallest.map(|(_, instant)| instant),
+        }
+    }
+
+    fn in_step(&self, encounters: &Encounters) -> InStep {
+        match contact(self.pair, encounters) {
+            Some(contact) if contact.time >= self.since => InStep::Worst(0.0),
+            _ => self.latest.map(|distance| difference(distance, 0.0)).into(),
         }
     }
 }

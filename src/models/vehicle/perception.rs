@@ -378,6 +378,10 @@ impl Perception for Perceiving {
         }
     }
 
+    fn age(&self, time: f64) -> Option<f64> {
+        self.known(time).map(|frame| time - frame.time)
+    }
+
     fn perceive(&mut self, seen: &Observation, view: &mut Observation) {
         self.note(seen);
         view.time = seen.time;

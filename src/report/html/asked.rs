@@ -162,7 +162,7 @@ fn reading<'r>(
 }
 
 /// The name of a metric, and of whom it is if it is not everybody's.
-fn named(metric: &MetricReference) -> String {
+pub fn named(metric: &MetricReference) -> String {
     match &metric.pair {
         Some((one, other)) if !other.is_empty() => format!("{} of {one} and {other}", metric.name()),
         Some((one, _)) => format!("{} of {one}", metric.name()),
@@ -171,7 +171,7 @@ fn named(metric: &MetricReference) -> String {
 }
 
 /// What a criterion holds single runs to, if it has a number for that.
-fn comparison(criterion: &Criterion) -> Option<&Comparison> {
+pub fn comparison(criterion: &Criterion) -> Option<&Comparison> {
     let (Claim::Runs { comparison, .. }
     | Claim::Aggregate { aggregate: Aggregate::Rate(comparison) | Aggregate::Count(comparison), .. }) =
         &criterion.claim

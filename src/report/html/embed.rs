@@ -3,6 +3,7 @@
 use nalgebra::Vector2;
 use serde_json::{Value, json};
 
+use super::ghosts;
 use super::minds;
 use super::pairs::user_look;
 use super::plots::RunPlots;
@@ -179,6 +180,9 @@ pub fn run(recording: &Recording, reason: &str, command: &str, told: &RunTold) -
         if case.world.vehicles.get(who).is_some_and(|car| car.sees.is_some()) {
             user["shown"] = sightings(recording, who).into();
         }
+        if let Some(perceived) = ghosts::embedded(recording, who) {
+            user["perceived"] = perceived;
+        }
         user
     });
     let events = recording
@@ -284,7 +288,7 @@ fn plain(value: Value) -> Value {
 }
 
 /// To the centimetre (or centimetre per second, or hundredth of a radian): drawing needs no more.
-pub fn rounded(value: f64) -> Value {
+pub(super) fn rounded(value: f64) -> Value {
     let hundredths = (value * 100.0).round();
     if hundredths % 100.0 == 0.0 { json!((hundredths / 100.0) as i64) } else { json!(hundredths / 100.0) }
 }
@@ -296,7 +300,7 @@ mod tests {
     use super::*;
     use scenario::geometry::{Piece, Pose, ReferenceLine};
     use scenario::{Bend, Case, Position};
-    use sim::{Mode, Sample, TimelineEvent, Trace};
+    use sim::{Mode, PerceivedOther, PerceivedView, Sample, TimelineEvent, Trace};
 
     /// A car that drives round a turn at 5 m/s, from 25 m before a crossing in its middle, and somebody who crosses it at 1 m/s.
     fn recorded() -> Recording {
@@ -344,6 +348,15 @@ mod tests {
             world: Arc::new(world),
         };
         Recording::new(&case, &trace, Vec::new())
+    }
+
+    /// The same, of which the car's controller is told that somebody is elsewhere, from 2 s to 3 s.
+    fn perceiving() -> Recording {
+        let position = Vector2::new(1.5, -2.25);
+        let other = PerceivedOther { who: 1, position, off: 0.36, speed: 1.2 };
+        let view = |time, age, others| PerceivedView { vehicle: 0, time, age, others };
+        let perceived = vec![view(2.0, Some(0.3), vec![other]), view(3.0, None, Vec::new())];
+        Recording { perceived, ..recorded() }
     }
 
     fn shown(recording: &Recording) -> Value {
@@ -414,8 +427,32 @@ mod tests {
     }
 
     #[test]
+    fn what_a_controller_is_told_that_is_not_so_goes_along() {
+        let recording = perceiving();
+        let drawn = shown(&recording);
+        assert_eq!(
+            drawn["users"][0]["perceived"],
+            json!([[2, 0.3, [[1, 1.5, -2.25, 0.36, 1.2]]], [3, null, []]])
+        );
+        assert_eq!(drawn["users"][1]["perceived"], Value::Null);
+        assert_eq!(shown(&recorded())["users"][0]["perceived"], Value::Null);
+        // Without the script it is drawn and told while it holds, and named as what it is.
+        for (time, count) in [(1.9, 0), (2.0, 1), (2.9, 1), (3.0, 0)] {
+            let still = still(&recording, time);
+            assert_eq!(still.content.matches("class=\"ghost pedestrian").count(), count, "{time}");
+            assert_eq!(still.perceived.len(), count, "{time}");
+        }
+        let still = still(&recording, 2.5);
+        let (car, person) = (recording.name(0), recording.name(1));
+        assert!(still.content.contains(&format!("<title>{person} as perceived by {car}</title>")));
+        let words =
+            format!("{car} perceives {person} 0.36 m from where they are, moving at 1.2 m/s, 0.3 s late");
+        assert_eq!(still.perceived, [words]);
+    }
+
+    #[test]
     fn what_is_read_back_is_drawn_the_same() {
-        let recording = recorded();
+        let recording = perceiving();
         let text = serde_json::to_string(&recording).unwrap();
         let back: Recording = serde_json::from_str(&text).unwrap();
         assert_eq!(shown(&back), shown(&recording));

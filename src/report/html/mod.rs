@@ -14,6 +14,8 @@ mod evaluate;
 mod failures;
 mod figure;
 mod gate;
+mod ghosts;
+mod margins;
 mod minds;
 mod pairs;
 mod plots;

@@ -169,6 +169,21 @@
       const label = element("text", { "font-size": size, "text-anchor": "middle" }, view);
       return { user, trail, body, label };
     });
+    // Where controllers are told that others are who are elsewhere; whose, if there are several.
+    const perceiving = run.users.filter((user) => user.perceived);
+    const ghosts = perceiving.flatMap((user, place) => run.users.filter((other) => other !== user).map((other) => {
+      const group = element("g", {}, view);
+      element("title", {}, group, `${other.name} as perceived by ${user.name}`);
+      const body = element("g", {}, group), { length, width } = other;
+      for (const kind of ["halo", `ghost ${other.kind} ${other.look || ""}`]) {
+        if (other.round) element("circle", { class: kind, r: length / 2 }, body);
+        else element("rect", { class: kind, x: -length / 2, y: -width / 2, width: length, height: width }, body);
+      }
+      const label = perceiving.length > 1 && element("text", { "font-size": 0.65 * size, "text-anchor": "middle" }, group, `for ${user.name}`);
+      // One above and the next below, so that those of one person do not cover each other.
+      const reach = (other.kind === "vehicle" ? other.width : Math.max(length, width)) / 2;
+      return { user, other, group, body, label, beside: place % 2 ? reach + 0.65 * size : -reach - 0.15 * size };
+    }));
     return () => {
       // Of two runs the one beside follows who has the same name.
       const leader = followed && run.users.find((user) => user.name === followed.name);
@@ -226,6 +241,15 @@
           label.setAttribute("x", Math.min(right - edge, Math.max(left + edge, place.x)));
         }
         label.setAttribute("y", y);
+      }
+      for (const { user, other, group, body, label, beside } of ghosts) {
+        const told = perceivedNow(run, user).find(({ who }) => who === other), place = placeAt(other, time);
+        group.setAttribute("visibility", told && place ? "visible" : "hidden");
+        if (!told || !place) continue;
+        body.setAttribute("transform", `translate(${told.x} ${flip(told.y)}) rotate(${(-place.h * 180) / Math.PI})`);
+        if (!label) continue;
+        label.setAttribute("x", told.x);
+        label.setAttribute("y", flip(told.y) + beside);
       }
     };
   };
@@ -302,6 +326,13 @@
     const past = user.shown.filter(([at, who]) => who === index && at <= time + 1e-9);
     return past.length > 0 && past[past.length - 1][2];
   };
+  // Who was elsewhere than a vehicle's controller was told at its last decision, and what it was told.
+  const perceivedNow = (run, user) => {
+    const past = (user.perceived || []).filter(([at]) => at <= time + 1e-9);
+    if (!past.length || !placeAt(user, time)) return [];
+    const [at, age, others] = past[past.length - 1];
+    return others.map(([who, x, y, off, speed]) => ({ at, who: run.users[who], age, x, y, off, speed }));
+  };
   const modeOf = (user) => {
     const past = (user.modes || []).filter(([at]) => at <= time + 1e-9);
     return past.length ? past[past.length - 1][1] : "";
@@ -318,7 +349,9 @@
         if (!place) continue;
         const unseen = user.shown ? run.users.filter((other, index) => other !== user && placeAt(other, time) && !isShown(user, index)) : [];
         const mode = modeOf(user), blind = unseen.length ? `, not shown: ${unseen.map((other) => other.name).join(", ")}` : "";
-        item.textContent = `${user.name}: ${mode ? `${mode}, ` : ""}${place.v.toFixed(1)} m/s${blind}`;
+        const told = perceivedNow(run, user).map(({ at, who, age, off, speed }) =>
+          `; perceives ${who.name} ${off.toFixed(2)} m from where they are, moving at ${speed.toFixed(1)} m/s${age ? `, ${age.toFixed(2)} s late` : ""} (decision at ${at.toFixed(2)} s)`);
+        item.textContent = `${user.name}: ${mode ? `${mode}, ` : ""}${place.v.toFixed(1)} m/s${blind}${told.join("")}`;
       }
     };
   };
@@ -454,6 +487,7 @@
   };
   const redraw = () => {
     byId("second").hidden = !second;
+    byId("ghosts").hidden = ![run, ...(second ? [second] : [])].some((one) => one.users.some((user) => user.perceived));
     const beside = second ? [drawView(byId("view2"), second)] : [];
     if (second) byId("sentence2").textContent = second.sentence;
     if (second) byId("view2").setAttribute("aria-label", `the run beside from above: ${second.sentence}`);

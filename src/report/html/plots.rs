@@ -4,9 +4,11 @@
 use serde::Serialize;
 
 use super::asked::{AskedOfRun, RunReading};
+use super::margins::{self, Measured};
 use super::minds::{self, Picture};
 use super::pairs::{DrawnPair, MOST_PAIRS, MOST_USERS, drawn_pairs, goes_straight, user_look};
 use super::shared_area;
+use super::told::find;
 use crate::chart::{AxisQuantity, First, LOOKS, Look, OverTime, Rule, TimeMark, TimeSeries};
 use results::{Place, Recording, Requests, SuiteReport};
 use scenario::{Dimension, MetricReference, Notation};
@@ -176,11 +178,30 @@ impl RunPlots {
         if asked.of("min_ttc").any(|reading| !along(reading.metric)) {
             panels.push(over(ahead("Time to collision, straight on", true), &goes_straight));
         }
+        let outcome = find(reports, &recording.case.key).map(|(_, outcome)| outcome);
+        let shown_above = ["max_deceleration", "min_distance", "min_ttc"];
+        let measured = margins::measured(asked.criteria, outcome, requests, recording, &shown_above);
+        for Measured { metric, title, dimension, points } in measured {
+            let is_it = |other: &MetricReference| other.is_same(metric);
+            let series = TimeSeries { look: First::Neither.look(), name: title.clone(), points };
+            panels.push(over(
+                Plot {
+                    title: &title,
+                    name: "worst since the time before; a gap: none",
+                    dimension,
+                    series: vec![series],
+                    metric: Some((metric.name(), 1.0)),
+                    ceiling: (dimension == Dimension::TIME).then_some(LONGEST),
+                },
+                &is_it,
+            ));
+        }
         let rows = pairs.iter().filter_map(|pair| {
             let looks = (look_of(pair.vehicle), look_of(cars + pair.pedestrian));
             Some(shared_area::rows(&asked, recording, pair.details(recording)?, looks))
         });
         panels.push(shared_area::picture(rows.flatten().collect(), (from, to), moment));
+        let margins = margins::pictures(reports, requests, recording, (from, to), moment);
         let first: Vec<usize> = pairs.iter().map(|pair| pair.pedestrian).collect();
         let (minds, minds_left_out) = minds::pictures(recording, &first, (from, to), moment);
         let users_left_out = recording.users.len() - shown;
@@ -214,7 +235,7 @@ impl RunPlots {
             legend.push((look.swatch(false, true), words.into()));
         }
         let moment = moment.map_or_else(String::new, |time| format!("upright line: {time:.2} s"));
-        let panels = panels.into_iter().flatten().map(Picture::plain).chain(minds);
+        let panels = panels.into_iter().flatten().map(Picture::plain).chain(margins).chain(minds);
         Self { from, to, legend, panels: panels.collect(), moment, left_out }
     }
 

@@ -8,7 +8,7 @@ use crate::chart::First;
 use crate::fixture::Session;
 use results::{Critical, Recording, Requests, SuiteReport, choose_runs};
 use scenario::{Claim, Comparison, Criterion, Relation, Settings, Value, WhenUndefined};
-use sim::measure::{PairDetails, PassingTimes, PersonDetails, Reached, VisitTimes};
+use sim::measure::{PairDetails, PassingTimes, PersonDetails, Reached, StepReadings, VisitTimes};
 use sim::{ModelState, StateQuantity};
 
 /// A run with two people, asked for one more thing: what it is called, its bound in SI units, what it came to, when and with whom.
@@ -301,4 +301,82 @@ fn what_a_person_makes_of_it_is_that_of_the_person() {
     assert_eq!(embedded["groups"][0], serde_json::json!(["worth <b>", ["go", "stay"], 0.0, 1.0]));
     assert_eq!(embedded["at"][0], serde_json::json!([0, 0.75, 0.25, 0.25]));
     assert_eq!(super::minds::embedded(&drawn.recording, 0), None);
+}
+
+/// Readings over time of what a metric came to in the end, which it comes to in the middle of the run.
+fn with_readings(mut drawn: Drawn, metric: &str, (first, worst): (f64, f64)) -> Drawn {
+    let index = drawn.requests.index(&models::known::measured(metric)).unwrap();
+    let count = drawn.recording.times.len();
+    let values = (0..count).map(|at| match at {
+        0..10 => None,
+        at if at == count / 2 => Some(worst),
+        _ => Some(first),
+    });
+    let is_smallest = first > worst;
+    drawn.recording.readings.push(StepReadings { metric: index, is_smallest, worst: values.collect() });
+    drawn
+}
+
+fn margins(drawn: &Drawn) -> Vec<serde_json::Value> {
+    let plots = drawn.plots();
+    let panels = plots["panels"].as_array().unwrap().iter();
+    panels.filter(|panel| panel["svg"].as_str().unwrap().contains(">Margins of criteria")).cloned().collect()
+}
+
+#[test]
+fn a_margin_is_what_was_left_to_the_bound_in_its_unit() {
+    for (worst, mark, fails) in [(0.4, "-1100 ms", "✗"), (1.7, "+200 ms", "✓"), (1.5, "0 ms", "✓")] {
+        let drawn = two_people().asked("min_ttc", ("min_ttc >= 1500 ms", 1.5), Some(worst), (6.03, "walker"));
+        let drawn = with_readings(drawn, "min_ttc", (4.0, worst));
+        let [panel] = &margins(&drawn)[..] else { panic!("one picture") };
+        let svg = panel["svg"].as_str().unwrap();
+        assert!(svg.contains(&format!(">{mark}</text>")), "{svg}");
+        assert!(svg.contains(&format!("{mark} at 6.03 s")) && svg.contains("(ms)"), "{svg}");
+        // The line ends where the mark is, and begins at what was left before.
+        let span = format!(
+            "min_ttc &gt;= 1500 ms from {} ms to 2500 ms",
+            mark.trim_start_matches('+').trim_end_matches(" ms")
+        );
+        assert!(svg.contains(&span), "{span}\n{svg}");
+        assert!(svg.contains(">the bound</text>"), "{svg}");
+        let legend = panel["legend"].to_string();
+        assert!(legend.contains(&format!("{fails} min_ttc >= 1500 ms")), "{legend}");
+    }
+}
+
+/// A wrong line would be worse than none.
+#[test]
+fn readings_of_something_else_are_not_drawn() {
+    let asked = || two_people().asked("min_ttc", ("min_ttc >= 1.5 s", 1.5), Some(0.4), (6.03, "walker"));
+    assert_eq!(margins(&with_readings(asked(), "min_ttc", (4.0, 0.4))).len(), 1);
+    // They come to another value than was judged, are not those of every time, or there are none.
+    assert!(margins(&with_readings(asked(), "min_ttc", (4.0, 0.5))).is_empty());
+    let mut cut = with_readings(asked(), "min_ttc", (4.0, 0.4));
+    cut.recording.readings[0].worst.pop();
+    assert!(margins(&cut).is_empty());
+    assert!(margins(&asked()).is_empty());
+}
+
+#[test]
+fn what_is_known_at_the_end_is_named_and_not_drawn() {
+    // The other criteria of the run are about `pet` and others that are no matter of time.
+    let drawn = two_people().asked("min_ttc", ("min_ttc >= 1.5 s", 1.5), Some(0.4), (6.03, "walker"));
+    let drawn = with_readings(drawn, "min_ttc", (4.0, 0.4));
+    let [panel] = &margins(&drawn)[..] else { panic!("one picture") };
+    let words = panel["words"].as_str().unwrap();
+    assert!(
+        words.starts_with("Not drawn, since not known before the end: ") && words.contains("pet >= 1.5 s"),
+        "{words}"
+    );
+    assert!(!panel["svg"].as_str().unwrap().contains("pet &gt;="));
+}
+
+#[test]
+fn a_metric_that_nothing_else_draws_has_a_picture_with_its_bound() {
+    let drawn = two_people().asked("time_headway", ("time_headway >= 1 s", 1.0), Some(0.4), (6.03, "walker"));
+    assert!(drawn.panel("time_headway").is_none_or(|svg| !svg.contains("class=\"line")));
+    let drawn = with_readings(drawn, "time_headway", (4.0, 0.4));
+    let svg = drawn.panel("time_headway").unwrap();
+    assert!(svg.contains("time_headway ≥ 1 s") && svg.contains("time_headway 0.4 s at 6.03 s"), "{svg}");
+    assert!(svg.contains("time_headway from 0.4 s to 4 s"), "{svg}");
 }

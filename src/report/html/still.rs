@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use nalgebra::Vector2;
 
+use super::ghosts::{Ghost, ghost_words, ghosts};
 use super::pairs::{outline, user_look};
 use crate::drawing::{view, world_marks};
 use files::escape::html;
@@ -18,6 +19,8 @@ const REACH: f64 = 80.0;
 pub struct Still {
     pub view_box: String,
     pub content: String,
+    /// Who is drawn where a controller was told that they are, besides where they are, in words.
+    pub perceived: Vec<String>,
 }
 
 /// Everybody at the recorded time that is nearest to `time` (s).
@@ -69,9 +72,17 @@ pub fn still(recording: &Recording, time: f64) -> Still {
         )
         .expect(STRING);
     }
+    for Ghost { who, body, title } in ghosts(recording, index) {
+        let kind = if who < cars { "ghost vehicle" } else { "ghost pedestrian" };
+        let class = user_look(recording, who).map_or_else(|| kind.into(), |look| look.class(kind));
+        writeln!(content, "<g><title>{}</title>", html(&title)).expect(STRING);
+        draw(&mut content, "halo", &body, flip(body.centre));
+        draw(&mut content, &class, &body, flip(body.centre));
+        writeln!(content, "</g>").expect(STRING);
+    }
     let size = frame.size();
     let view_box = format!("{:.2} {:.2} {:.2} {:.2}", frame.low.x, frame.low.y, size.x, size.y);
-    Still { view_box, content }
+    Still { view_box, content, perceived: ghost_words(recording, index) }
 }
 
 /// How far a body reaches across the picture, m.

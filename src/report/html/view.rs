@@ -11,6 +11,7 @@ use super::failures::{FailureLine, failure_lines, is_open};
 use super::figure::HtmlFigure;
 use super::plots::RunPlots;
 use super::statement::Statements;
+use super::still::Still;
 use super::told::RunTold;
 use super::{block, gate, rating};
 use crate::controllers;
@@ -73,13 +74,16 @@ struct ShownFirst {
     view_box: String,
     /// SVG elements.
     still: String,
+    /// Who is drawn where a controller was told that they are, in words.
+    perceived: Vec<String>,
     is_certain: bool,
 }
 
 impl From<LeadRun> for ShownFirst {
     fn from(first: LeadRun) -> Self {
         let LeadRun { told, still, key, command, is_certain, .. } = first;
-        Self { key, command, told, view_box: still.view_box, still: still.content, is_certain }
+        let Still { view_box, content, perceived } = still;
+        Self { key, command, told, view_box, still: content, perceived, is_certain }
     }
 }
 

@@ -151,7 +151,7 @@ impl Job {
     pub fn run(self) -> Done {
         let Self { place, case, measured, wanted, alone: _, change } = self;
         let MeasuredMetrics { requests, free_flows } = &*measured;
-        let mut watcher = Watcher::new(wanted, &case);
+        let mut watcher = Watcher::new(wanted, &case, requests);
         let run = || {
             let otherwise = (change.as_deref(), wanted.has_commands());
             let (outcome, commands) = run_changed(&case, otherwise, requests, free_flows, &mut watcher)?;
@@ -217,7 +217,7 @@ pub(super) enum Watcher {
 }
 
 impl Watcher {
-    pub fn new(wanted: Wanted, case: &Case) -> Self {
+    pub fn new(wanted: Wanted, case: &Case, requests: &Requests) -> Self {
         match wanted {
             Wanted::Outcome | Wanted::Decisions => Self::Nothing(Unwatched),
             Wanted::Trace => Self::Trace(Trace::default()),
@@ -225,7 +225,8 @@ impl Watcher {
                 Self::Both(Box::new(Timeline::new(&case.world)), Trace::default())
             }
             Wanted::Details | Wanted::Everything => {
-                let (details, timeline) = (RecordedDetails::new(&case.world), Timeline::new(&case.world));
+                let (details, timeline) =
+                    (RecordedDetails::new(&case.world, requests.as_slice()), Timeline::new(&case.world));
                 Self::Details(Box::new(details), Box::new(timeline), Trace::default())
             }
         }

@@ -138,7 +138,7 @@ impl ProgramRun {
             Ok(Err(error)) => return Begun::Done(Box::new(failed(job, JobFailure::Error(error)))),
             Err(panicked) => return Begun::Done(Box::new(failed(job, JobFailure::Panicked(panicked)))),
         };
-        let watcher = Watcher::new(job.wanted, &job.case);
+        let watcher = Watcher::new(job.wanted, &job.case, &job.measured.requests);
         let mut run = Self { watcher, decisions: Vec::new(), stage, drivers: Vec::new(), is_new: true, job };
         run.drivers = run.drivers_of(processes);
         Begun::Run(Box::new(run))
@@ -341,8 +341,9 @@ impl ProgramRun {
                 StageEnd::Flow
             }
             Stage::Run(run) => {
-                let watcher =
-                    std::mem::replace(&mut self.watcher, Watcher::new(self.job.wanted, &self.job.case));
+                let Job { wanted, case, measured, .. } = &self.job;
+                let next = Watcher::new(*wanted, case, &measured.requests);
+                let watcher = std::mem::replace(&mut self.watcher, next);
                 let outcome = Panicked::catch(|| in_case(&self.job.case.key, || run.outcome(&self.job.case)));
                 match outcome {
                     Ok((outcome, commands)) => {

@@ -6,7 +6,7 @@ use std::collections::HashSet;
 use super::shared::Runner;
 use crate::run::{BatchError, RunBatch, Stop, Wanted, WentDifferently, went_differently};
 use results::{Chosen, Outcome, Recording, SuiteReport, choose_runs};
-use scenario::Case;
+use scenario::{Case, Criterion};
 
 /// The courses of the runs to draw: they are run again. What comes out differently is another run than was judged, and is not drawn; where a
 /// program may have decided otherwise, `notices` says so.
@@ -17,15 +17,16 @@ pub fn courses(
 ) -> Result<Vec<(Chosen, Recording)>, String> {
     let chosen: Vec<Chosen> = reports.iter().flat_map(choose_runs).collect();
     let wanted: HashSet<&str> = chosen.iter().map(|chosen| chosen.key.as_str()).collect();
-    let outcomes: HashMap<&str, (Case, &Outcome)> = reports
+    let outcomes: HashMap<&str, (Case, &Outcome, &[Criterion])> = reports
         .iter()
         .zip(runner.suites())
         .flat_map(|(report, suite)| suite.plan.trials().zip(&report.trials))
         .flat_map(|(planned, trial)| {
             let outcomes = trial.outcomes.iter().enumerate();
             let chosen = outcomes.filter(|(_, outcome)| wanted.contains(outcome.key.as_str()));
+            let criteria = &trial.trial.criteria[..];
             chosen
-                .map(|(index, outcome)| (outcome.key.as_str(), (planned.cases.get(index), outcome)))
+                .map(|(index, outcome)| (outcome.key.as_str(), (planned.cases.get(index), outcome, criteria)))
                 .collect::<Vec<_>>()
         })
         .collect();
@@ -37,9 +38,10 @@ pub fn courses(
     let ended = batch.each(chosen.len(), Wanted::Details, case, |case, ran| {
         let chosen = &chosen[made];
         made += 1;
-        if ran.outcome.fingerprint == outcomes[chosen.key.as_str()].1.fingerprint {
-            let recording = Recording::new(&case, &ran.trace, ran.events);
-            return recordings.push((chosen.clone(), recording.with(ran.details.as_deref())));
+        let (_, outcome, criteria) = &outcomes[chosen.key.as_str()];
+        if ran.outcome.fingerprint == outcome.fingerprint {
+            let recording = Recording::new(&case, &ran.trace, ran.events).with(ran.details.as_deref());
+            return recordings.push((chosen.clone(), recording.about(criteria, &batch.measured.requests)));
         }
         let not_drawn = |why: &str| {
             format!("{} is not drawn: it came out differently when it was repeated{why}", case.key)

@@ -157,6 +157,12 @@ pub trait Perception: Send {
     /// Where everybody is, the vehicle itself by its index `me`. Called before each [`Self::perceive`] from the start of the run on, for whoever
     /// minds who stands before whom.
     fn look(&mut self, _me: usize, _now: &Snapshot) {}
+
+    /// How old it is at `time`, that of a decision, what was put into the view for it, s; `None` where there is no one age of it. Asked of runs that
+    /// are drawn alone, and nobody in a run is told.
+    fn age(&self, _time: f64) -> Option<f64> {
+        None
+    }
 }
 
 /// What a controller receives. Ego frame: x ahead along the lane from the ego's centre, y to the left of its lane's

@@ -3,11 +3,13 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::InStep;
 use super::encounter::Encounters;
+use super::measurement::Measurement;
 use super::passage::Reached;
 use crate::geometry::first_contact;
 use crate::{Ending, ModelState, Observer, Snapshot, StateQuantity, Step};
-use scenario::World;
+use scenario::{MetricReference, World, Worst};
 
 /// What is drawn of a run.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -18,6 +20,35 @@ pub struct RunDetails {
     pub pairs: Vec<PairDetails>,
     /// In the order of the world.
     pub people: Vec<PersonDetails>,
+    /// Those of what is measured that have a value during the run, and existed at some time.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub readings: Vec<StepReadings>,
+}
+
+/// What a metric is the worst of, over time.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct StepReadings {
+    /// Its place among what is measured.
+    pub metric: usize,
+    /// Whether the smallest is the worst; else the largest is.
+    pub is_smallest: bool,
+    /// For each time the worst since the one before, over everybody that it is measured for; `None` where there is none.
+    pub worst: Vec<Option<f64>>,
+}
+
+impl StepReadings {
+    /// The worse of two of its values.
+    pub fn worse(&self, one: f64, other: f64) -> f64 {
+        if self.is_smallest { one.min(other) } else { one.max(other) }
+    }
+
+    /// For each time the worst until then.
+    pub fn worst_so_far(&self) -> impl Iterator<Item = Option<f64>> + '_ {
+        self.worst.iter().scan(None, |known: &mut Option<f64>, now| {
+            *known = known.zip(*now).map(|(known, now)| self.worse(known, now)).or(*known).or(*now);
+            Some(*known)
+        })
+    }
 }
 
 /// A vehicle and a pedestrian in a run.
@@ -76,12 +107,19 @@ pub struct RecordedDetails {
     half_lengths: Vec<f64>,
     /// Whether the vehicle of each pair did not keep straight at some time.
     bends: Vec<bool>,
+    measurement: Measurement,
     details: RunDetails,
 }
 
 impl RecordedDetails {
-    /// Of a run of this world that has not begun.
-    pub fn new(world: &World) -> Self {
+    /// Of a run of this world that has not begun; `requests` are what is measured in it.
+    pub fn new(world: &World, requests: &[MetricReference]) -> Self {
+        let reading = |(metric, reference): (usize, &MetricReference)| StepReadings {
+            metric,
+            is_smallest: reference.known().is_some_and(|metric| metric.worst == Worst::Smallest),
+            worst: Vec::new(),
+        };
+        let readings = requests.iter().enumerate().map(reading).collect();
         let people = world.pedestrians.len();
         let pair = |(vehicle, pedestrian)| PairDetails { vehicle, pedestrian, ..PairDetails::default() };
         let pairs = (0..world.vehicles.len()).flat_map(|car| (0..people).map(move |person| (car, person)));
@@ -90,7 +128,13 @@ impl RecordedDetails {
             encounters: Encounters::new(world),
             half_lengths: world.vehicles.iter().map(|car| car.length / 2.0).collect(),
             bends: vec![false; pairs.len()],
-            details: RunDetails { times: Vec::new(), pairs, people: vec![PersonDetails::default(); people] },
+            measurement: Measurement::new(world, requests, &[], &[]),
+            details: RunDetails {
+                times: Vec::new(),
+                pairs,
+                people: vec![PersonDetails::default(); people],
+                readings,
+            },
         }
     }
 
@@ -101,9 +145,21 @@ impl RecordedDetails {
 }
 
 impl Observer for RecordedDetails {
+    fn begin(&mut self, start: &Snapshot) {
+        self.measurement.begin(start);
+    }
+
     fn observe(&mut self, step: &Step) {
         self.encounters.observe(step);
-        let RunDetails { times, pairs, people } = &mut self.details;
+        self.measurement.observe(step);
+        let RunDetails { times, pairs, people, readings } = &mut self.details;
+        for (reading, now) in readings.iter_mut().zip(self.measurement.in_step()) {
+            match now {
+                InStep::AtTheEnd => {}
+                InStep::Nothing => reading.worst.push(None),
+                InStep::Worst(worst) => reading.worst.push(Some(worst)),
+            }
+        }
         for (index, person) in people.iter_mut().enumerate() {
             if times.is_empty() {
                 person.quantities = step.minds.quantities(index);
@@ -133,6 +189,7 @@ impl Observer for RecordedDetails {
 
     fn end(&mut self, _ending: &Ending, _last: &Snapshot) {
         self.encounters.end();
+        self.details.readings.retain(|reading| reading.worst.iter().any(Option::is_some));
         for (pair, bends) in self.details.pairs.iter_mut().zip(&self.bends) {
             let encounter = self.encounters.pair(pair.vehicle, pair.pedestrian);
             let (passage, half) = (self.encounters.passage(pair.vehicle), self.half_lengths[pair.vehicle]);

@@ -1,7 +1,7 @@
 //! All requested metrics of one run at once: the worst over pairs, with whose it was.
 
 use super::encounter::{Encounters, Presence};
-use super::{Absence, BuildMeter, End, FreeFlow, Meter, MetricContext, Open, Scope, Worst};
+use super::{Absence, BuildMeter, End, FreeFlow, InStep, Meter, MetricContext, Open, Scope, Worst};
 use crate::{Ending, Observer, Snapshot, Solid, Step, StopReason};
 use scenario::{MetricReference, World};
 
@@ -102,6 +102,11 @@ impl Measurement {
         self.requests.iter().map(|request| request.reading(&self.encounters, end.as_ref(), is_open)).collect()
     }
 
+    /// Of every request in order the worst in the last step, over everybody that it is measured for.
+    pub fn in_step(&self) -> Vec<InStep> {
+        self.requests.iter().map(|request| request.in_step(&self.encounters)).collect()
+    }
+
     /// Whether a pair has touched, or a vehicle or pedestrian anything.
     fn has_touched(&self, subject: Subject) -> bool {
         match subject {
@@ -163,17 +168,34 @@ impl Request {
         Reading { worst, subjects, open }
     }
 
+    fn in_step(&self, encounters: &Encounters) -> InStep {
+        let each = self.meters.iter().map(|(_, meter)| meter.in_step(encounters));
+        let worse = |one: InStep, other: InStep| match (one, other) {
+            (InStep::AtTheEnd, _) | (_, InStep::AtTheEnd) => InStep::AtTheEnd,
+            (InStep::Nothing, other) => other,
+            (one, InStep::Nothing) => one,
+            (InStep::Worst(one), InStep::Worst(other)) => InStep::Worst(self.worse(one, other)),
+        };
+        each.reduce(worse).unwrap_or(InStep::Nothing)
+    }
+
+    fn worse(&self, one: f64, other: f64) -> f64 {
+        match self.worst {
+            Worst::Smallest => one.min(other),
+            Worst::Largest | Worst::Neither => one.max(other),
+        }
+    }
+
     /// The range of the worst of all, if it is not decided.
     fn open(&self, subjects: &[SubjectValue]) -> Option<Open> {
         let ranges = subjects.iter().filter_map(|subject| {
             subject.open.or(subject.value.map(|value| Open { low: value, high: value }))
         });
-        let worse = |one: f64, other: f64| match self.worst {
-            Worst::Smallest => one.min(other),
-            Worst::Largest | Worst::Neither => one.max(other),
+        let worse = |one: Open, other: Open| Open {
+            low: self.worse(one.low, other.low),
+            high: self.worse(one.high, other.high),
         };
-        let all = ranges
-            .reduce(|one, other| Open { low: worse(one.low, other.low), high: worse(one.high, other.high) });
+        let all = ranges.reduce(worse);
         // Of nobody's value nothing is decided, even where only one is left that it may come to.
         let no_value = subjects.iter().all(|one| one.value.is_none());
         all.filter(|all| subjects.iter().any(|one| one.open.is_some()) && (all.low < all.high || no_value))

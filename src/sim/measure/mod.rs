@@ -15,7 +15,9 @@ use crate::{Snapshot, Solid, Step};
 use numbers::json;
 use scenario::{Absence, Meters, Scope, Settings, World, Worst};
 
-pub use details::{PairDetails, PassingTimes, PersonDetails, RecordedDetails, RunDetails, VisitTimes};
+pub use details::{
+    PairDetails, PassingTimes, PersonDetails, RecordedDetails, RunDetails, StepReadings, VisitTimes,
+};
 pub use encounter::{
     Contact, Encounter, Encounters, Entry, LaneCrossing, MEETING_TIME, Presence, part_within, strip,
 };
@@ -48,6 +50,29 @@ pub trait Meter: Send {
     /// When it took that value, s: the critical instant. `None` for what has no single one, such as a time lost.
     fn instant(&self, _encounters: &Encounters) -> Option<f64> {
         None
+    }
+
+    /// What it is the worst over time of, in the last step. Whoever says something else than [`InStep::AtTheEnd`] has at any time the worst of all steps
+    /// until then as its value. Asked of runs that are drawn alone.
+    fn in_step(&self, _encounters: &Encounters) -> InStep {
+        InStep::AtTheEnd
+    }
+}
+
+/// What a metric is the worst over time of, in one step.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum InStep {
+    /// It is no such worst, but a sum, or a time between two events: before they are over there is none of it.
+    AtTheEnd,
+    /// There is none of it in the step.
+    Nothing,
+    /// The worst in the step.
+    Worst(f64),
+}
+
+impl From<Option<f64>> for InStep {
+    fn from(worst: Option<f64>) -> Self {
+        worst.map_or(Self::Nothing, Self::Worst)
     }
 }
 
