@@ -26,6 +26,14 @@ FILE_LANGUAGES = {
     "lua": ("lua",),
     "elisp": ("el",),
 }
+# What a part of a scenario is put into to be checked, in the place of the dots.
+SURROUNDINGS = {
+    "scenario": "scenario part { road { lane_width 3.5 m; speed_limit 50 km/h; crossing zebra }\n…\npedestrian walker { model scripted; start 2 m from kerb }\nexpect { no collision } }\n",
+    "vehicle": "scenario part { road { lane_width 3.5 m; speed_limit 50 km/h; crossing zebra }\nvehicle av { speed 30 km/h\n…\n}\n"
+    "pedestrian walker { model scripted; start 2 m from kerb }\nexpect { no collision } }\n",
+    "pedestrian": "scenario part { road { lane_width 3.5 m; speed_limit 50 km/h; crossing zebra }\nvehicle av { controller yielding; speed 30 km/h }\n"
+    "pedestrian walker { start 2 m from kerb\n…\n}\nexpect { no collision } }\n",
+}
 # What a page says of its blocks, in a comment.
 SAID = re.compile(r"<!-- blocks: (.*) -->")
 COPY = re.compile(r"in a copy of ([a-z_ /]+)")
@@ -46,6 +54,11 @@ class Block:
     @property
     def language(self):
         return self.info[0]
+
+    @property
+    def surrounded(self):
+        """A part of a scenario with what it is a part of."""
+        return SURROUNDINGS[self.info[2]].replace("…", self.text) if self.info[1:2] == ["in"] else None
 
     @property
     def is_part(self):
@@ -119,13 +132,13 @@ def blocks_of(page):
 
 def checked(blocks, joined):
     """Refuses what would be run or compared otherwise than its writer meant, or not at all."""
-    if blocks and not any(block.language == "sh" and not block.kind for block in blocks):
+    if blocks and not any(block.info[1:2] == ["in"] or block.language == "sh" and not block.kind for block in blocks):
         raise Wrong(1, "no block of this page is run")
     printed = None
     for block in blocks:
         if not block.text.strip():
             raise Wrong(block.line, "an empty block")
-        if len(block.info) > 2:
+        if len(block.info) > 2 and block.info[1] != "in":
             raise Wrong(block.line, f"one word after `{block.language}` at most")
         if block.language == "sh":
             check_commands(block)
@@ -162,6 +175,10 @@ def check_output(block, printed):
 def check_file(block, joined):
     if block.language not in FILE_LANGUAGES:
         raise Wrong(block.line, f"`{block.language}` is neither `sh` nor `text` nor of a file ({', '.join(FILE_LANGUAGES)})")
+    if block.info[:2] == ["scn", "in"]:
+        if len(block.info) != 3 or block.info[2] not in SURROUNDINGS or block.name:
+            raise Wrong(block.line, f"a part has no name, and is `scn in` {kinds(SURROUNDINGS)}")
+        return
     if block.info[1:] and block.info[1] not in ("editor", "toolchain"):
         raise Wrong(block.line, f"nothing stands after `{block.language}` but `editor` or `toolchain`")
     if block.kind or block.is_part and joined:

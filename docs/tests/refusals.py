@@ -65,6 +65,13 @@ REFUSED = [
     ("<!-- blocks: a.scn is what stands in blocks without a name -->\n" + RUN, "no block is a part"),
     ("<!-- blocks: a.scn is what stands in blocks without a name -->\n" + RUN + "```scn\nlet a = 1 m\n```\n```scn\nlet a = 2 x\n```\n", "`a.scn` is wrong"),
     (RUN + "```scn\nlet a = 1 m\n```\n", "a file without a name"),
+    # Parts of scenarios.
+    ("```scn in vehicle\ncontroller no_such\n```\n", "`part_1.scn` is wrong"),
+    ("```scn in vehicle\ncontroller yielding\n}\n```\n", "`part_1.scn` is wrong"),
+    ("```scn in suite\nseed 1\n```\n", "a part has no name"),
+    ("```scn in\nseed 1\n```\n", "a part has no name"),
+    ("```scn in scenario vehicle\nseed 1\n```\n", "a part has no name"),
+    ("```suite in vehicle\nspeed 1 m/s\n```\n", "nothing stands after `suite`"),
     # Files and pictures.
     ("`a.scn`:\n```scn\nlet a = \n```\n" + RUN, "`a.scn` is wrong"),
     ("`a.suite`:\n```suite\nsuite a { scenarios \"b.scn\" }\n```\n" + RUN, "`a.suite` is wrong"),
@@ -89,6 +96,7 @@ PASSED = [
     RUN + "```sh slow\nfalse\n```\n" + SAID + "```text shown\na\n```\n```lua editor\na\n```\n",
     RUN + "```sh data\nscenario-runner calibrate --count 5 > x\n```\n",
     "# Only words.\n",
+    "```scn in pedestrian\nmodel scripted { speed: 1 m/s }\n```\n",
     "<!-- blocks: in a copy of scenarios suites -->\n```sh\nls suites/zebra.suite >suites/a\n```\n",
     "<!-- blocks: b/a.scn is what stands in blocks without a name -->\n```scn\nlet a = 1 m\n```\n```sh\ncat b/a.scn\n```\n```text\nlet a = 1 m\nlet b = a\n```\n```scn\nlet b = a\n```\n",
 ]

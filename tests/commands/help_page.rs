@@ -1,6 +1,8 @@
 //! `docs/command_line.md` is what the program says of its commands. `UPDATE_DOCS=1 cargo test --test commands help_page` rewrites it.
 
-use crate::support::{code, scenario_runner, stdout};
+use std::path::Path;
+
+use crate::support::program::{code, scenario_runner, stdout};
 
 const BEFORE: &str = "\
 # The command line
@@ -24,7 +26,7 @@ fn push(page: &mut String, words: &[&str], level: usize) {
         [command] => vec!["help", command],
         _ => [words, &["--help"]].concat(),
     };
-    let output = scenario_runner(&asked);
+    let output = scenario_runner(Path::new(env!("CARGO_MANIFEST_DIR")), &asked);
     assert_eq!(code(&output), 0, "{asked:?}");
     let help = stdout(&output);
     let heading = if words.is_empty() { "All commands".to_string() } else { format!("`{}`", words.join(" ")) };
