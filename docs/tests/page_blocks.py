@@ -28,15 +28,15 @@ FILE_LANGUAGES = {
 }
 # What a part of a scenario is put into to be checked, in the place of the dots.
 SURROUNDINGS = {
-    "scenario": "scenario part { road { lane_width 3.5 m; speed_limit 50 km/h; crossing zebra }\n…\npedestrian walker { model scripted; start 2 m from kerb }\nexpect { no collision } }\n",
-    "vehicle": "scenario part { road { lane_width 3.5 m; speed_limit 50 km/h; crossing zebra }\nvehicle av { speed 30 km/h\n…\n}\n"
+    "scenario": "scenario part { road { lane_width 3.5 m; speed_limit 50 km/h; crossing zebra }\n…\npedestrian walker { model scripted; start 2 m from kerb; appears when time_to_arrival(av) = 6 s }\nexpect { no collision } }\n",
+    "vehicle": "scenario part { road { lane_width 3.5 m; speed_limit 50 km/h; crossing zebra }\nvehicle av { speed 30 km/h; start 60 m before crossing\n…\n}\n"
     "pedestrian walker { model scripted; start 2 m from kerb }\nexpect { no collision } }\n",
-    "pedestrian": "scenario part { road { lane_width 3.5 m; speed_limit 50 km/h; crossing zebra }\nvehicle av { controller yielding; speed 30 km/h }\n"
+    "pedestrian": "scenario part { road { lane_width 3.5 m; speed_limit 50 km/h; crossing zebra }\nvehicle av { controller yielding; speed 30 km/h; start 60 m before crossing }\n"
     "pedestrian walker { start 2 m from kerb\n…\n}\nexpect { no collision } }\n",
 }
 # What a page says of its blocks, in a comment.
 SAID = re.compile(r"<!-- blocks: (.*) -->")
-COPY = re.compile(r"in a copy of ([a-z_ /]+)")
+COPY = re.compile(r"in a copy of ([a-z_ ./]+)")
 JOINED = re.compile(r"([a-z_/]+\.scn) is what stands in blocks without a name")
 
 class Wrong(Exception):
@@ -98,7 +98,7 @@ class Page:
         elif joined and self.joined is None:
             self.joined = joined[1]
         else:
-            raise Wrong(number, "what is said of blocks is `in a copy of FOLDER …`, or, once, `FILE.scn is what stands in blocks without a name`")
+            raise Wrong(number, "what is said of blocks is `in a copy of PATH …`, or, once, `FILE.scn is what stands in blocks without a name`")
 
 
 def blocks_of(page):

@@ -61,7 +61,8 @@ REFUSED = [
     # What is said of blocks.
     (RUN + "<!-- blocks: nothing -->\n", "what is said of blocks"),
     ("<!--blocks: in a copy of suites -->\n<!-- blocks : x -->\n" + RUN, "what is said of blocks"),
-    ("<!-- blocks: in a copy of no_such_folder -->\n" + RUN, "no folder of the repository"),
+    ("<!-- blocks: in a copy of no_such_folder -->\n" + RUN, "no path of the repository"),
+    ("<!-- blocks: in a copy of ../a -->\n" + RUN, "no path of the repository"),
     ("<!-- blocks: a.scn is what stands in blocks without a name -->\n" + RUN, "no block is a part"),
     ("<!-- blocks: a.scn is what stands in blocks without a name -->\n" + RUN + "```scn\nlet a = 1 m\n```\n```scn\nlet a = 2 x\n```\n", "`a.scn` is wrong"),
     (RUN + "```scn\nlet a = 1 m\n```\n", "a file without a name"),
@@ -75,6 +76,8 @@ REFUSED = [
     # Files and pictures.
     ("`a.scn`:\n```scn\nlet a = \n```\n" + RUN, "`a.scn` is wrong"),
     ("`a.suite`:\n```suite\nsuite a { scenarios \"b.scn\" }\n```\n" + RUN, "`a.suite` is wrong"),
+    (RUN + "`a.scn`:\n```scn\nlet a = \n```\n", "`a.scn` is wrong"),
+    ("`a.scn`:\n```scn\nlet a = \n```\n" + RUN + "`a.scn`:\n```scn\nlet a = 1 m\n```\n", "`a.scn` is wrong"),
     ("`a.json`:\n```json\n{,}\n```\n" + RUN, "`a.json` is wrong"),
     ("`a.toml`:\n```toml\na\n```\n" + RUN, "`a.toml` is wrong"),
     ("`a.py`:\n```python\na b\n```\n" + RUN, "`a.py` is wrong"),
