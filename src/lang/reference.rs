@@ -67,7 +67,15 @@ fn push_units(text: &mut String) {
     for unit in UNITS {
         let (si, symbol) = (unit.to_si(1.0), unit.dimension.si_unit());
         let one = if symbol == unit.symbol { String::new() } else { format!("{si} {symbol}") };
-        writeln!(text, "| `{}` | {} | {} | {} |", unit.symbol, unit.dimension.name(), one.trim_end(), cell(unit.doc)).unwrap();
+        writeln!(
+            text,
+            "| `{}` | {} | {} | {} |",
+            unit.symbol,
+            unit.dimension.name(),
+            one.trim_end(),
+            cell(unit.doc)
+        )
+        .unwrap();
     }
 }
 

@@ -29,7 +29,8 @@ fn push(page: &mut String, words: &[&str], level: usize) {
     let output = scenario_runner(Path::new(env!("CARGO_MANIFEST_DIR")), &asked);
     assert_eq!(code(&output), 0, "{asked:?}");
     let help = stdout(&output);
-    let heading = if words.is_empty() { "All commands".to_string() } else { format!("`{}`", words.join(" ")) };
+    let heading =
+        if words.is_empty() { "All commands".to_string() } else { format!("`{}`", words.join(" ")) };
     let marks = "#".repeat(level);
     let typed = asked.join(" ");
     page.push_str(&format!(

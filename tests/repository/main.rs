@@ -9,6 +9,6 @@ mod house;
 mod language;
 mod metrics_page;
 mod model_pages;
-mod reference_pages;
 #[path = "../../fuzz/properties.rs"]
 mod properties;
+mod reference_pages;
