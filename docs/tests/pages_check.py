@@ -39,7 +39,7 @@ def summary_problems(root, files):
     listed = []
     for number, _, _, target in markdown.links(read(root, SUMMARY)):
         to, anchor = markdown.resolved(SUMMARY, target)
-        if anchor or markdown.is_outside(target) or to not in files:
+        if not target or anchor or markdown.is_outside(target) or to not in files:
             yield f"{SUMMARY}:{number}: `{target}` is no page"
         if to in listed:
             yield f"{SUMMARY}:{number}: `{target}` is there twice"
@@ -81,7 +81,7 @@ def link_problems(root, files):
             to, anchor = markdown.resolved(page, target)
             if is_picture and (to not in files or not words.strip()):
                 yield f"{page}:{number}: the picture `{target}` is not there, or has no words for whoever does not see it"
-            elif to not in files and to not in folders:
+            elif not target or to not in files and to not in folders:
                 yield f"{page}:{number}: `{target}` leads to no file of the repository"
             elif anchor and not to.endswith(".md"):
                 yield f"{page}:{number}: `{target}`: only pages have anchors"

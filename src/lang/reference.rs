@@ -9,8 +9,8 @@ use scenario::{AGGREGATES, AggregateOf, DISTRIBUTIONS, DistributionOf};
 const BEFORE: &str = "\
 # Every statement
 
-What may stand in a block, with an example of each. [The language](language.md) says what it means; of metrics, models and controllers there are
-pages [of](metrics.md) [their own](models/README.md). A statement stands once in its block unless it may be repeated. *Needed* ones have to be said, in the block or
+What may stand in a block, with an example of each. [The language](language.md) says what it means; [metrics](metrics.md) have a page of their own, and so has each
+[model and controller](models/README.md). A statement stands once in its block unless it may be repeated. *Needed* ones have to be said, in the block or
 in what it builds on. What `--set` takes is given another value [on the command line](running.md#other-values). In YAML the key stands in the place of the
 words that a statement begins with.
 ";
@@ -100,7 +100,7 @@ fn push_distributions(text: &mut String) {
                 let all = numbers.iter().map(|number| number.name).collect::<Vec<_>>().join(", ");
                 (all, plain.collect::<Vec<_>>().join(", "))
             }
-            DistributionOf::Values => ("a, b, …` or `choice(a: 30 %, b: 70 %".to_string(), String::new()),
+            DistributionOf::Values => ("a, b, …)` or `choice(a: 30 %, b: 70 %".to_string(), String::new()),
         };
         writeln!(text, "| `{}({given})` | {plain} |", distribution.word).unwrap();
     }
