@@ -1,7 +1,5 @@
 //! Every statement of the language, block by block, in Markdown: `docs/words.md`. What is said of each is what editors show of it.
 
-use std::fmt::Write;
-
 use super::syntax::words::{BlockEntry, BlockKind, StatementEntry};
 use super::units::UNITS;
 use scenario::{AGGREGATES, AggregateOf, DISTRIBUTIONS, DistributionOf};
@@ -28,12 +26,12 @@ pub fn reference() -> String {
 }
 
 fn push_block(text: &mut String, block: &BlockEntry) {
-    writeln!(text, "\n## In {}\n", block.name).unwrap();
+    text.push_str(&format!("\n## In {}\n\n", block.name));
     text.push_str("| statement | what it says | | in YAML |\n|---|---|---|---|\n");
     for statement in block.heads.iter().chain(block.statements) {
         let key = if statement.key.is_empty() { String::new() } else { format!("`{}`", statement.key) };
         let (usage, doc) = (cell(statement.usage), cell(statement.doc));
-        writeln!(text, "| `{usage}` | {doc} | {} | {key} |", remarks(statement)).unwrap();
+        text.push_str(&format!("| `{usage}` | {doc} | {} | {key} |\n", remarks(statement)));
     }
 }
 
@@ -67,15 +65,14 @@ fn push_units(text: &mut String) {
     for unit in UNITS {
         let (si, symbol) = (unit.to_si(1.0), unit.dimension.si_unit());
         let one = if symbol == unit.symbol { String::new() } else { format!("{si} {symbol}") };
-        writeln!(
-            text,
-            "| `{}` | {} | {} | {} |",
+        let of = unit.dimension.name();
+        text.push_str(&format!(
+            "| `{}` | {of} | {} | {} |
+",
             unit.symbol,
-            unit.dimension.name(),
             one.trim_end(),
             cell(unit.doc)
-        )
-        .unwrap();
+        ));
     }
 }
 
@@ -87,7 +84,7 @@ fn push_aggregates(text: &mut String) {
             AggregateOf::Level(_) => "LEVEL, METRIC",
             AggregateOf::Runs(..) => "CONDITION",
         };
-        writeln!(text, "| `{}({given})` | {} |", aggregate.word, cell(aggregate.doc)).unwrap();
+        text.push_str(&format!("| `{}({given})` | {} |\n", aggregate.word, cell(aggregate.doc)));
     }
 }
 
@@ -102,7 +99,7 @@ fn push_distributions(text: &mut String) {
             }
             DistributionOf::Values => ("a, b, …)` or `choice(a: 30 %, b: 70 %".to_string(), String::new()),
         };
-        writeln!(text, "| `{}({given})` | {plain} |", distribution.word).unwrap();
+        text.push_str(&format!("| `{}({given})` | {plain} |\n", distribution.word));
     }
 }
 
