@@ -10,6 +10,7 @@ mod estimates;
 mod files;
 mod gates;
 mod groups;
+mod help_page;
 
 mod horizon;
 mod init;

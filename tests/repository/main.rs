@@ -11,3 +11,4 @@ mod metrics_page;
 mod model_pages;
 #[path = "../../fuzz/properties.rs"]
 mod properties;
+mod reference_pages;

@@ -129,7 +129,7 @@ pub struct BlockEntry {
     /// With an article: "a `vehicle`".
     pub name: &'static str,
     /// What stands before its statements without a word of its own.
-    pub(super) heads: &'static [StatementEntry],
+    pub heads: &'static [StatementEntry],
     pub statements: &'static [StatementEntry],
 }
 
@@ -211,6 +211,11 @@ impl StatementEntry {
             block.children().find(|child| child.rule() == rule)
         };
         block.children().find(|child| self.is(*child)).or_else(other)
+    }
+
+    /// Whether a block has to say it.
+    pub fn is_needed(&self) -> bool {
+        self.missing.is_some()
     }
 
     /// What is said where a block needs it: what is lacking, and an example.

@@ -1,0 +1,38 @@
+//! `docs/words.md` and `docs/codes.md` are what the language says of itself. `UPDATE_DOCS=1 cargo test --test repository reference_pages`
+//! rewrites them.
+
+use std::fmt::Write;
+
+use lang::{Code, Severity};
+
+const CODES: &str = "\
+# Errors and warnings
+
+Every code that a finding may have. `scenario-runner explain E0402` says the same in the terminal. Nothing is run while there is an error; a warning says that
+something may not be what was meant.
+";
+
+#[test]
+fn every_statement_has_its_place_in_the_page_of_statements() {
+    stands_in("docs/words.md", &lang::reference());
+}
+
+#[test]
+fn every_code_has_its_place_in_the_page_of_codes() {
+    let mut page = CODES.to_string();
+    for (severity, heading) in [(Severity::Error, "Errors"), (Severity::Warning, "Warnings")] {
+        writeln!(page, "\n## {heading}").unwrap();
+        for code in Code::ALL.iter().filter(|code| code.severity() == severity) {
+            writeln!(page, "\n### {code}: {}\n\n{}", code.title(), code.explanation()).unwrap();
+        }
+    }
+    stands_in("docs/codes.md", &page);
+}
+
+fn stands_in(path: &str, page: &str) {
+    if std::env::var_os("UPDATE_DOCS").is_some() {
+        std::fs::write(path, page).unwrap();
+    }
+    let stored = std::fs::read_to_string(path).unwrap_or_default();
+    assert!(stored == page, "{path} is out of date; run the tests once with UPDATE_DOCS=1");
+}
