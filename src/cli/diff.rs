@@ -43,10 +43,11 @@ Examples:
   scenario-runner diff KEY --set av.controller.braking_distance=4m,6m --set av.speed=40km/h
   scenario-runner diff KEY --baseline zebra.json               what a baseline keeps of the run, and what it is now
   scenario-runner diff KEY --set tta=4s,5s --json              as JSON, with everybody at every moment told
-  scenario-runner diff KEY --set tta=4s,5s --html parts.html   and as a page: both replays side by side, plots with both courses
+  scenario-runner diff KEY --set tta=4s,5s --html parts.html   and as a page, side by side
 
-A page opens in any browser, from the file: one sentence says what parts, when, and which criterion flips; both runs move
-under one slider; in the plots A is drawn through and B dashed. It needs no network, and no JavaScript to be read.
+A page opens in any browser, from the file: one sentence says what parts, when, and which criterion
+flips; both runs move under one slider; in the plots A is drawn through and B dashed. It needs no
+network, and no JavaScript to be read.
 
 The noise is that of KEY as the files have it: with another value the run may have another name, and a seed
 of its own when its suite is run.

@@ -8,9 +8,9 @@ use super::abreast::Abreast;
 use super::change::{Otherwise, TIME_TOLERANCE};
 use super::crossings_ahead::CrossingsAhead;
 use super::curvature::CurvatureChanges;
-use super::observer::Sighting;
 use super::order::{Order, SpeedPlan, SteeredOrder};
 use super::road_users::{Driven, Driver};
+use super::sighting::Sighting;
 use super::solid::Solid;
 use super::steering::Steering;
 use scenario::agent::{

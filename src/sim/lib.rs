@@ -40,6 +40,7 @@ pub mod random;
 mod road_users;
 pub mod script;
 pub mod sight;
+mod sighting;
 mod solid;
 mod start;
 mod steering;
@@ -57,7 +58,7 @@ pub use course::{
 };
 pub use fingerprint::Fingerprint;
 pub use hit::{hit_along, hit_at};
-pub use observer::{Ending, Minds, Observer, Sighting, Step, StopReason};
+pub use observer::{Ending, Minds, Observer, Step, StopReason};
 pub use order::{LONGEST_PLAN, Order, SpeedPlan, SpeedPlanError, SteeredOrder, toward};
 pub use perceived::{PerceivedOther, PerceivedView, Views};
 pub use road_users::{Driven, Driver, RoadUsers};
@@ -67,6 +68,7 @@ pub use scenario::agent::{
     SeenPedestrian, SeenVehicle, Snapshot, StateQuantity, Stated, StatedBy, Steered, VehicleState,
     velocity_inside,
 };
+pub use sighting::Sighting;
 pub use solid::Solid;
 pub use start::{beginning, blocked_lanes, collision_course, overlaps, path_conflicts};
 pub use timeline::{Happening, Timeline, TimelineEvent};

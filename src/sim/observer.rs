@@ -6,8 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use super::abreast::Abreast;
 use super::contact::Touch;
-use super::perceived::Views;
-use super::solid::Solid;
+use super::perceived::{PerceivedView, Views};
+use super::sighting::Sighting;
 use scenario::agent::{Mode, ModelState, Motion, Pedestrian, Snapshot, StateQuantity, velocity_inside};
 
 /// Follows a run. Nothing it does can change the run.
@@ -80,21 +80,14 @@ impl fmt::Debug for Minds<'_> {
     }
 }
 
-/// A vehicle's controller is shown somebody from a decision on whom it was not shown at the one before, or the other way round. With latency that is
-/// later than they came into view.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sighting {
-    /// The index of the vehicle.
-    pub vehicle: usize,
-    /// Whom it is about: another vehicle, or a pedestrian.
-    pub who: Solid,
-    /// Whether they are shown now.
-    pub seen: bool,
-    /// Of the decision, from the beginning of the step on, s.
-    pub moment: f64,
-}
-
 impl Step<'_> {
+    /// What the controller of a vehicle that does not see everything was told and was not so, at its last decision in this step; `None` where it sees
+    /// everything or decided nothing.
+    pub fn perceived(&self, vehicle: usize) -> Option<PerceivedView> {
+        let cars = &self.before.vehicles;
+        self.views.view((vehicle, cars.len()), &cars[vehicle].path, self.time..=self.time + self.duration)
+    }
+
     /// The state `moment` s after the beginning of the step.
     pub fn at(&self, moment: f64) -> Snapshot {
         let part = moment / self.duration;

@@ -1,12 +1,12 @@
 //! What the controllers of vehicles that do not see everything were told of others and was not so.
 
 use std::fmt;
+use std::ops::RangeInclusive;
 
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
 use super::control::Control;
-use super::observer::Step;
 use super::road_users::Driven;
 use scenario::Path;
 use scenario::agent::Observation;
@@ -63,26 +63,28 @@ impl<'a> Views<'a> {
     pub(super) fn new(controls: &'a [Control], driven: &'a [Driven]) -> Self {
         Self { controls, driven }
     }
+
+    /// What the controller of a vehicle that does not see everything was told and was not so, at its last decision, if that was `within` (s); the vehicle
+    /// is one of so many `cars` and drives on this `path`. `None` where it sees everything or decided nothing.
+    pub(super) fn view(
+        &self,
+        (vehicle, cars): (usize, usize),
+        path: &Path,
+        within: RangeInclusive<f64>,
+    ) -> Option<PerceivedView> {
+        let (seen, told) = self.controls.get(vehicle)?.seen_and_told()?;
+        let time = told.time;
+        if !within.contains(&time) {
+            return None;
+        }
+        let age = self.driven[vehicle].perception.as_ref().and_then(|one| one.age(time));
+        Some(PerceivedView { vehicle, time, age, others: others((seen, told), path, cars) })
+    }
 }
 
 impl fmt::Debug for Views<'_> {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(out, "Views({})", self.controls.len())
-    }
-}
-
-impl Step<'_> {
-    /// What the controller of a vehicle that does not see everything was told and was not so, at its last decision in this step; `None` where it sees
-    /// everything or decided nothing.
-    pub fn perceived(&self, vehicle: usize) -> Option<PerceivedView> {
-        let (seen, told) = self.views.controls.get(vehicle)?.seen_and_told()?;
-        let time = told.time;
-        if !(self.time..=self.time + self.duration).contains(&time) {
-            return None;
-        }
-        let age = self.views.driven[vehicle].perception.as_ref().and_then(|one| one.age(time));
-        let others = others((seen, told), &self.before.vehicles[vehicle].path, self.before.vehicles.len());
-        Some(PerceivedView { vehicle, time, age, others })
     }
 }
 

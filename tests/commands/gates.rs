@@ -423,7 +423,7 @@ fn a_sequential_gate_ends_its_suite() {
         "a gate failed before all runs were made; what is left of its suite is not run",
         "sequential: failed after ",
         " of 100 runs, at look ",
-        "5 not run",
+        "5 not finished",
     ] {
         assert!(text.contains(said), "{said}: {text}");
     }

@@ -3,7 +3,6 @@
 use nalgebra::Vector2;
 use serde_json::{Value, json};
 
-use super::ghosts;
 use super::minds;
 use super::pairs::user_look;
 use super::plots::RunPlots;
@@ -14,7 +13,7 @@ use crate::replay::describe;
 use files::escape::html_characters;
 use results::{Chosen, Recording, Requests, SuiteReport, Verdict};
 use scenario::{CrossingKind, Side, TrafficSignal};
-use sim::Happening;
+use sim::{Happening, PerceivedOther, PerceivedView};
 
 /// All of them together may take this much of the page, in bytes: what the script reads, and what is drawn over time.
 const MOST_BYTES: usize = 3_000_000;
@@ -180,7 +179,7 @@ pub fn run(recording: &Recording, reason: &str, command: &str, told: &RunTold) -
         if case.world.vehicles.get(who).is_some_and(|car| car.sees.is_some()) {
             user["shown"] = sightings(recording, who).into();
         }
-        if let Some(perceived) = ghosts::embedded(recording, who) {
+        if let Some(perceived) = perceived(recording, who) {
             user["perceived"] = perceived;
         }
         user
@@ -285,6 +284,23 @@ fn plain(value: Value) -> Value {
         Value::Object(fields) => fields.into_iter().map(|(name, value)| (name, plain(value))).collect(),
         other => other,
     }
+}
+
+/// What the controller of a vehicle was told, as the page's script reads it: time, age or `null`, and of each of the others who it is, x, y, how far
+/// off, and the speed; `None` where all was so.
+fn perceived(recording: &Recording, vehicle: usize) -> Option<Value> {
+    let views = recording.perceived.iter().filter(|view| view.vehicle == vehicle);
+    let other = |other: &PerceivedOther| {
+        let numbers = [other.position.x, other.position.y, other.off, other.speed].map(rounded);
+        Value::Array([json!(other.who)].into_iter().chain(numbers).collect())
+    };
+    let view = |view: &PerceivedView| {
+        let others = view.others.iter().filter(|one| one.who < recording.users.len());
+        let age = view.age.map_or(Value::Null, rounded);
+        json!([rounded(view.time), age, others.map(other).collect::<Vec<_>>()])
+    };
+    let views: Vec<Value> = views.map(view).collect();
+    (!views.is_empty()).then(|| views.into())
 }
 
 /// To the centimetre (or centimetre per second, or hundredth of a radian): drawing needs no more.

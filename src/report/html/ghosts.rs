@@ -1,31 +1,12 @@
-//! Where controllers were told that somebody is who is elsewhere: outlines beside the bodies, for the page's script and for who reads it without.
+//! Where controllers were told that somebody is who is elsewhere: outlines beside the bodies, and the same in words.
 
 use nalgebra::Vector2;
-use serde_json::{Value, json};
 
-use super::embed::rounded;
 use super::pairs::outline;
 use crate::perceived::perceived_words;
 use results::Recording;
 use sim::geometry::Footprint;
 use sim::{PerceivedOther, PerceivedView};
-
-/// What the controller of a vehicle was told, as the page's script reads it: time, age or `null`, and of each of the others who it is, x, y, how far
-/// off, and the speed; `None` where all was so.
-pub fn embedded(recording: &Recording, vehicle: usize) -> Option<Value> {
-    let views = recording.perceived.iter().filter(|view| view.vehicle == vehicle);
-    let other = |other: &PerceivedOther| {
-        let numbers = [other.position.x, other.position.y, other.off, other.speed].map(rounded);
-        Value::Array([json!(other.who)].into_iter().chain(numbers).collect())
-    };
-    let view = |view: &PerceivedView| {
-        let others = view.others.iter().filter(|one| one.who < recording.users.len());
-        let age = view.age.map_or(Value::Null, rounded);
-        json!([rounded(view.time), age, others.map(other).collect::<Vec<_>>()])
-    };
-    let views: Vec<Value> = views.map(view).collect();
-    (!views.is_empty()).then(|| views.into())
-}
 
 /// An outline of somebody where a controller was told that they are.
 pub struct Ghost {

@@ -166,7 +166,7 @@ fn picture(
 }
 
 /// A metric that has no other picture over time.
-pub struct Measured<'r> {
+pub struct MeasuredOverTime<'r> {
     pub metric: &'r MetricReference,
     pub title: String,
     pub dimension: Dimension,
@@ -180,8 +180,8 @@ pub fn measured<'r>(
     requests: &Requests,
     recording: &Recording,
     shown: &[&str],
-) -> Vec<Measured<'r>> {
-    let mut all: Vec<Measured> = Vec::new();
+) -> Vec<MeasuredOverTime<'r>> {
+    let mut all: Vec<MeasuredOverTime> = Vec::new();
     for metric in criteria.iter().map(|criterion| criterion.claim.metric()) {
         if shown.contains(&metric.name()) || all.iter().any(|one| one.metric.is_same(metric)) {
             continue;
@@ -191,7 +191,7 @@ pub fn measured<'r>(
             let readings = readings(recording, index, outcome?.metrics[index]?)?;
             let (_, dimension) = quantity_of(metric)?;
             let points = recording.times.iter().copied().zip(readings.worst.iter().copied()).collect();
-            Some(Measured { metric, title: named(metric), dimension, points })
+            Some(MeasuredOverTime { metric, title: named(metric), dimension, points })
         };
         all.extend(one());
     }

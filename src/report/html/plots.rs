@@ -4,7 +4,7 @@
 use serde::Serialize;
 
 use super::asked::{AskedOfRun, RunReading};
-use super::margins::{self, Measured};
+use super::margins::{self, MeasuredOverTime};
 use super::minds::{self, Picture};
 use super::pairs::{DrawnPair, MOST_PAIRS, MOST_USERS, drawn_pairs, goes_straight, user_look};
 use super::shared_area;
@@ -181,7 +181,7 @@ impl RunPlots {
         let outcome = find(reports, &recording.case.key).map(|(_, outcome)| outcome);
         let shown_above = ["max_deceleration", "min_distance", "min_ttc"];
         let measured = margins::measured(asked.criteria, outcome, requests, recording, &shown_above);
-        for Measured { metric, title, dimension, points } in measured {
+        for MeasuredOverTime { metric, title, dimension, points } in measured {
             let is_it = |other: &MetricReference| other.is_same(metric);
             let series = TimeSeries { look: First::Neither.look(), name: title.clone(), points };
             panels.push(over(
