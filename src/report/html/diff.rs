@@ -28,6 +28,8 @@ struct DiffPage {
     mark: &'static str,
     command: String,
     sides: Vec<ShownSide>,
+    /// What controllers were told at the moment at which both are seen, and was not so.
+    perceived: Vec<String>,
     /// The moments that matter, and what is not fulfilled.
     why: Vec<Why>,
     plots: DiffPlots,
@@ -95,8 +97,7 @@ impl DiffPage {
         let (class, mark) = colour(run.standings());
         let parting = run.two.apart.as_ref().or(run.two.first.as_ref());
         let moment = first_failure(&told).or(parting.map(|parting| parting.time));
-        let sides = both(run);
-        let drawn = sides.map(|(_, one, criteria)| DrawnSide {
+        let drawn = both(run).map(|(_, one, criteria)| DrawnSide {
             recording: &one.recording,
             asked: AskedOfRun::of_run(criteria, &one.outcome, run.requests, &one.recording),
         });
@@ -118,6 +119,7 @@ impl DiffPage {
         let same = pairs.len() - metrics.len();
         let why = why(run, &told, &criteria);
         let shown_at = moment.unwrap_or_default();
+        let (sides, perceived) = shown(run, &told, shown_at);
         let program = Program::this();
         Self {
             version: program.version,
@@ -148,7 +150,8 @@ impl DiffPage {
             metrics,
             shared: diff::shared(run),
             remarks: run.remarks.iter().map(|remark| quoted(remark)).collect(),
-            sides: shown(run, &told, shown_at),
+            sides,
+            perceived,
             why,
         }
     }
@@ -265,10 +268,13 @@ fn facts(run: &RunDiff) -> Vec<String> {
     all.iter().map(sentence).collect()
 }
 
-fn shown(run: &RunDiff, told: &[RunTold; 2], time: f64) -> Vec<ShownSide> {
+/// Both at a time (s), and what controllers were told then that was not so.
+fn shown(run: &RunDiff, told: &[RunTold; 2], time: f64) -> (Vec<ShownSide>, Vec<String>) {
     let each = both(run).into_iter().zip(&run.sides).zip(told).zip(looks());
-    each.map(|((((letter, one, _), side), told), look)| {
+    let mut perceived = Vec::new();
+    let sides = each.map(|((((letter, one, _), side), told), look)| {
         let still = still(&one.recording, time);
+        perceived.extend(still.perceived.iter().map(|words| format!("{letter}: {words}")));
         ShownSide {
             letter,
             otherwise: side.otherwise.to_string(),
@@ -279,8 +285,8 @@ fn shown(run: &RunDiff, told: &[RunTold; 2], time: f64) -> Vec<ShownSide> {
             view_box: still.view_box,
             still: still.content,
         }
-    })
-    .collect()
+    });
+    (sides.collect(), perceived)
 }
 
 fn side_sentence(letter: &str, told: &RunTold) -> String {

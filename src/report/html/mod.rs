@@ -45,11 +45,12 @@ use files::escape::html_characters;
 use results::Results;
 
 /// The pages and their parts.
-const TEMPLATES: [(&str, &str); 14] = [
+const TEMPLATES: [(&str, &str); 15] = [
     ("diff.html", include_str!("diff.html")),
     ("page.html", include_str!("page.html")),
     ("failures.html", include_str!("failures.html")),
     ("player.html", include_str!("player.html")),
+    ("perceived.html", include_str!("perceived.html")),
     ("figure.html", include_str!("figure.html")),
     ("statements.html", include_str!("statements.html")),
     ("search.html", include_str!("search.html")),
