@@ -311,7 +311,7 @@ fn tell(arguments: &DiffArguments, registry: &Registry) -> Result<Exit, Exit> {
         write!(stdout(), "{}", render_diff(&told));
     }
     if let Some(path) = &arguments.html {
-        files::write(path, &diff_to_html(&told, &arguments.command(&files))).map_err(|error| {
+        files::write(path, diff_to_html(&told, &arguments.command(&files))).map_err(|error| {
             writeln!(stderr(), "error: cannot write {}: {error}", path.display());
             Exit::Output
         })?;
