@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
-use super::RunDiff;
+use super::sides::RunDiff;
 use crate::format::{quantity, with_unit};
 use crate::replay::RunReason;
 use scenario::{Criterion, Metric, MetricKind, MetricReference};

@@ -1,6 +1,6 @@
 //! What two runs do over time, whom they touch and how they end.
 
-use super::RunDiff;
+use super::sides::RunDiff;
 use crate::format::with_unit;
 use crate::why::{cut_off, ending_words};
 use results::{ContactMoment, Doing, OneOfTwo, Outcome, SharedMoment, TwoRuns};

@@ -4,63 +4,21 @@ mod against_baseline;
 mod came_to;
 mod course;
 mod parts;
+mod sides;
 
 use serde_json::{Value, json};
 
-use super::replay::{RunReason, run_reasons};
+use super::replay::RunReason;
 use super::why::Standing;
 use came_to::{criteria_lines, metrics};
 use course::table;
-use results::{OneOfTwo, Outcome, Requests, TwoRuns};
-use scenario::{Case, Criterion};
+use results::OneOfTwo;
 
 pub use against_baseline::{BaselineDiff, baseline_diff_json, render_baseline_diff};
 pub(crate) use came_to::{CriterionInBoth, criteria, metric_pairs};
 pub(crate) use course::{contact_words, contacts, course, endings};
 pub(crate) use parts::{by, partings};
-
-/// Two runs that are told side by side.
-pub struct RunDiff<'a> {
-    /// The run that was asked for.
-    pub key: &'a str,
-    /// The one and the other.
-    pub sides: [DiffSide<'a>; 2],
-    /// What is measured in both.
-    pub requests: &'a Requests,
-    /// What came of them.
-    pub two: &'a TwoRuns,
-    /// What has to be known besides, a sentence each.
-    pub remarks: &'a [String],
-}
-
-/// One of two runs.
-pub struct DiffSide<'a> {
-    /// What is otherwise in it: `controller av=carla_behavior`.
-    pub otherwise: &'a str,
-    /// The run.
-    pub case: &'a Case,
-    /// What it has of its own, as a scenario writes it.
-    pub values: &'a [(String, String)],
-    /// What is asked of it.
-    pub criteria: &'a [Criterion],
-}
-
-impl RunDiff<'_> {
-    pub(crate) fn outcomes(&self) -> [&Outcome; 2] {
-        [&self.two.a.outcome, &self.two.b.outcome]
-    }
-
-    pub(crate) fn reasons(&self) -> [Vec<RunReason>; 2] {
-        let [a, b] = self.outcomes();
-        [(&self.sides[0], a), (&self.sides[1], b)]
-            .map(|(side, outcome)| run_reasons(side.criteria, outcome, self.requests))
-    }
-
-    pub(crate) fn standings(&self) -> [Standing; 2] {
-        let ([a, b], [in_a, in_b]) = (self.outcomes(), self.reasons());
-        [Standing::of(&in_a, a), Standing::of(&in_b, b)]
-    }
-}
+pub use sides::{DiffSide, RunDiff};
 
 /// Two runs in words, in ten to thirty lines.
 pub fn render_diff(run: &RunDiff) -> String {

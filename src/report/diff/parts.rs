@@ -1,6 +1,6 @@
 //! Where two runs part, in words.
 
-use super::RunDiff;
+use super::sides::RunDiff;
 use crate::format::with_unit;
 use crate::replay::describe;
 use crate::why::ending_words;
