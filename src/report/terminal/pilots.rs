@@ -130,28 +130,29 @@ impl Pilots {
         if freedom < 1.0 { (SCATTER, 3.0) } else { ((squares / freedom).sqrt(), freedom) }
     }
 
-    /// What a second of a pilot run costs, s of wall time, with the square of its relative error in units of what runs scatter. By the later half
-    /// of what was done: a machine may have more or less to do beside it than at first.
-    fn pace(&self, under_way: &[UnderWay]) -> Option<(f64, f64)> {
+    /// What a second of a pilot run costs, s of wall time, with the square of its relative error in units of what runs scatter: by the later half of
+    /// what was done, and by the last tenth of it. They differ where a machine has more or less to do beside it than it had.
+    fn paces(&self, under_way: &[UnderWay]) -> Vec<(f64, f64)> {
         let now =
             under_way.iter().filter_map(|one| Some(Over::of(self.begun.get(&one.unit)?, one.done, one.cost)));
         let all: Vec<Over> = self.over.iter().copied().chain(now).collect();
         let cost: f64 = all.iter().map(|one| one.cost).sum();
-        let mut later = Over::default();
-        for one in all.iter().rev() {
-            later = later.and(*one);
-            if 2.0 * later.cost >= cost {
-                break;
+        let pace = |share: f64| {
+            let mut later = Over::default();
+            for one in all.iter().rev() {
+                later = later.and(*one);
+                if later.cost >= share * cost {
+                    break;
+                }
             }
-        }
-        let Over { cost, expected, square } = later;
-        (expected > 0.0 && cost > 0.0).then(|| (cost / expected, square / (expected * expected)))
+            let Over { cost, expected, square } = later;
+            (expected > 0.0 && cost > 0.0).then(|| (cost / expected, square / (expected * expected)))
+        };
+        [0.5, 0.1].into_iter().filter_map(pace).collect()
     }
 
-    /// What all trials still cost: those under way, those with pilot runs that have yet to begin, and so many `others` with so many `runs`, of
-    /// which nothing is known but that those with pilot runs are spread over all. It is within that at 95 %; `None` before any trial has begun.
-    pub fn left(&self, under_way: &[UnderWay], others: usize, runs: usize) -> Option<TimeLeft> {
-        let (pace, pace_error) = self.pace(under_way)?;
+    /// Between what lies at a pace what trials under way still cost, and those with pilot runs that have yet to begin, at 95 %.
+    fn known(&self, under_way: &[UnderWay], (pace, pace_error): (f64, f64)) -> (f64, f64) {
         let (scatter, freedom) = self.scatter();
         let mut expected = 0.0;
         let mut squares = 0.0;
@@ -170,10 +171,22 @@ impl Pilots {
             variance += square_of_error(own, one.done.div_ceil(2), one.left);
         }
         let off = student_quantile(0.975, freedom) * scatter * variance.sqrt() + FLOOR * known;
-        let (mut low, mut high) = (known - off, known + off);
+        (known - off, known + off)
+    }
+
+    /// What all trials still cost: those under way, those with pilot runs that have yet to begin, and so many `others` with so many `runs`, of
+    /// which nothing is known but that those with pilot runs are spread over all. It is within that at 95 %; `None` before any trial has begun.
+    pub fn left(&self, under_way: &[UnderWay], others: usize, runs: usize) -> Option<TimeLeft> {
+        let paces = self.paces(under_way);
+        let within = paces.iter().map(|pace| self.known(under_way, *pace));
+        let (mut low, mut high) = within.reduce(|one, other| (one.0.min(other.0), one.1.max(other.1)))?;
         if runs > 0 {
-            let means: Vec<f64> =
-                self.ahead.values().chain(self.begun.values()).map(|pilot| pace * pilot.mean()).collect();
+            let means: Vec<f64> = self
+                .ahead
+                .values()
+                .chain(self.begun.values())
+                .map(|pilot| paces[0].0 * pilot.mean())
+                .collect();
             let unknown = by_sample(&means, others)?;
             low += runs as f64 * unknown.0;
             high += runs as f64 * unknown.1;
