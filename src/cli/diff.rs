@@ -18,8 +18,8 @@ use report::{
     BaselineDiff, DiffSide, RunDiff, baseline_diff_json, diff_json, diff_to_html, render_baseline_diff,
     render_diff,
 };
-use results::Requests;
 use results::judge::baseline::Baseline;
+use results::{Requests, shell_word};
 use runner::baseline::{NotKept, against_baseline};
 use runner::diff::{NoCounterpart, counterpart, two_runs};
 use runner::plan::PlannedTrial;
@@ -182,12 +182,10 @@ impl DiffArguments {
 
     /// What to type to lay the two side by side again.
     fn command(&self, files: &[String]) -> String {
-        // Within single quotes a shell leaves everything alone but the quote itself.
-        let quoted = |text: &str| format!("'{}'", text.replace('\'', r"'\''"));
-        let mut command = format!("scenario-runner diff {}", quoted(&self.run.key));
-        files.iter().for_each(|file| command += &format!(" {}", quoted(file)));
+        let mut command = format!("scenario-runner diff {}", shell_word(&self.run.key));
+        files.iter().for_each(|file| command += &format!(" {}", shell_word(file)));
         self.run.seed.iter().for_each(|seed| command += &format!(" --seed {seed}"));
-        let mut option = |name: &str, said: &str| command += &format!(" --{name} {}", quoted(said));
+        let mut option = |name: &str, said: &str| command += &format!(" --{name} {}", shell_word(said));
         self.controller.iter().for_each(|one| option("controller", &one.to_string()));
         self.uses.iter().for_each(|file| option("use", &file.to_string_lossy()));
         self.set.iter().for_each(|one| option("set", &one.to_string()));

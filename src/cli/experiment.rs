@@ -15,7 +15,7 @@ use super::set::SetArguments;
 use super::{Exit, load, store};
 use report::console::{stderr, stdout};
 use report::{Live, Terminal, draw_calibration, render_block, render_controllers, tuned_parameters};
-use results::{BlockReport, BlockResult, BlockState, CalibrateResult, Verdict, set_options};
+use results::{BlockReport, BlockResult, BlockState, CalibrateResult, Verdict, set_options, shell_word};
 use runner::experiment::{CaseFile, ParameterFile};
 use runner::session::{self, Selection, Session, UnitKind, Units};
 use scenario::registry::Registry;
@@ -157,7 +157,7 @@ fn run(arguments: &ExperimentArguments, kind: &'static str, registry: &Registry)
         let journal = if arguments.journal == Path::new(store::JOURNAL) {
             String::new()
         } else {
-            format!(" --journal '{}'", arguments.journal.to_string_lossy().replace('\'', r"'\''"))
+            format!(" --journal {}", shell_word(&arguments.journal.to_string_lossy()))
         };
         let options = seed + &set_options(&suites[0].suite.set) + &journal;
         writeln!(

@@ -66,13 +66,7 @@ fn push_units(text: &mut String) {
         let (si, symbol) = (unit.to_si(1.0), unit.dimension.si_unit());
         let one = if symbol == unit.symbol { String::new() } else { format!("{si} {symbol}") };
         let of = unit.dimension.name();
-        text.push_str(&format!(
-            "| `{}` | {of} | {} | {} |
-",
-            unit.symbol,
-            one.trim_end(),
-            cell(unit.doc)
-        ));
+        text.push_str(&format!("| `{}` | {of} | {} | {} |\n", unit.symbol, one.trim_end(), cell(unit.doc)));
     }
 }
 

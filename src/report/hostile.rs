@@ -155,6 +155,19 @@ proptest! {
     }
 }
 
+/// The elements of a page, each with the names of its attributes.
+fn elements_of(page: &str) -> BTreeSet<(Vec<u8>, Vec<Vec<u8>>)> {
+    assert!(page.chars().all(is_safe));
+    let mut names = BTreeSet::new();
+    for token in Tokenizer::new(page) {
+        if let Token::StartTag(tag) = token.expect("reading a string cannot fail") {
+            let attributes: Vec<_> = tag.attributes.keys().map(|name| name.to_vec()).collect();
+            names.insert((tag.name.to_vec(), attributes));
+        }
+    }
+    names
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(8))]
 
@@ -162,15 +175,7 @@ proptest! {
     fn a_page_of_two_runs_has_the_elements_that_it_has_without(name in texts::text()) {
         let elements = |text: &str| {
             let page = Session::with_names(text).with_diff(text, |run| diff_to_html(run, &format!("diff '{text}'")));
-            assert!(page.chars().all(is_safe));
-            let mut names = BTreeSet::new();
-            for token in Tokenizer::new(&page) {
-                if let Token::StartTag(tag) = token.expect("reading a string cannot fail") {
-                    let attributes: Vec<_> = tag.attributes.keys().map(|name| name.to_vec()).collect();
-                    names.insert((tag.name.to_vec(), attributes));
-                }
-            }
-            names
+            elements_of(&page)
         };
         prop_assert_eq!(elements(&name), elements("x"));
     }
@@ -181,15 +186,7 @@ proptest! {
             let report = session.report();
             let recordings = session.record(choose_runs(&report));
             let page = to_html(&Results { recordings, ..session.unrecorded(report) });
-            assert!(page.chars().all(is_safe));
-            let mut names = BTreeSet::new();
-            for token in Tokenizer::new(&page) {
-                if let Token::StartTag(tag) = token.expect("reading a string cannot fail") {
-                    let attributes: Vec<_> = tag.attributes.keys().map(|name| name.to_vec()).collect();
-                    names.insert((tag.name.to_vec(), attributes));
-                }
-            }
-            names
+            elements_of(&page)
         };
         prop_assert_eq!(elements(&Session::with_names(&name)), elements(&Session::with_names("x")));
     }

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::drawing::moment_text;
 use super::format::with_unit;
-use super::perceived::perceived_words;
+use super::perceived::{perceived_words, road_user};
 use super::replay::{RunReason, describe, introduced, run_reasons};
 use results::{
     CameOf, FirstSeen, Neighbour, Otherwise, OtherwiseRun, Outcome, Requests, Story, TriedDeceleration,
@@ -347,10 +347,7 @@ fn neighbour_words(neighbour: &Neighbour) -> String {
 /// What a controller was told that was not so, with names.
 fn perceived_json(run: &WhyRun, view: &PerceivedView) -> Value {
     let world = &run.case.world;
-    let name = |who: usize| match who.checked_sub(world.vehicles.len()) {
-        None => &world.vehicles[who].name,
-        Some(person) => &world.pedestrians[person].name,
-    };
+    let name = |who: usize| road_user(world, who);
     let others = view.others.iter().map(|one| {
         json!({ "who": name(one.who), "place": [one.position.x, one.position.y], "off": one.off, "speed": one.speed })
     });

@@ -121,16 +121,19 @@ pub fn is_use(said: &str) -> bool {
     said.starts_with(USE)
 }
 
+/// As one word of a shell, which leaves everything alone within single quotes but the quote itself.
+pub fn shell_word(text: &str) -> String {
+    format!("'{}'", text.replace('\'', r"'\''"))
+}
+
 /// What to type to say the same otherwise again, with a space before each.
 pub fn set_options(set: &[String]) -> String {
-    // Within single quotes a shell leaves everything alone but the quote itself.
-    let quoted = |text: &str| format!("'{}'", text.replace('\'', r"'\''"));
     let option =
         |one: &String| match (one.strip_prefix(CONTROLLER), one.strip_prefix(USE), one.split_once('=')) {
-            (Some(controller), ..) => format!(" --controller {}", quoted(controller)),
-            (_, Some(file), _) => format!(" --use {}", quoted(file)),
+            (Some(controller), ..) => format!(" --controller {}", shell_word(controller)),
+            (_, Some(file), _) => format!(" --use {}", shell_word(file)),
             (.., Some(("repeat", times))) => format!(" --repeat {times}"),
-            _ => format!(" --set {}", quoted(one)),
+            _ => format!(" --set {}", shell_word(one)),
         };
     set.iter().map(option).collect()
 }

@@ -11,7 +11,6 @@ mod files;
 mod gates;
 mod groups;
 mod help_page;
-
 mod horizon;
 mod init;
 mod last_run;

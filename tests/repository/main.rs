@@ -4,6 +4,8 @@ mod circles;
 mod data;
 mod examples;
 mod fuzz;
+#[path = "../support/generated.rs"]
+mod generated;
 mod highlighting;
 mod house;
 mod language;

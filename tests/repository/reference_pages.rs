@@ -5,6 +5,8 @@ use std::fmt::Write;
 
 use lang::{Code, Severity};
 
+use crate::generated::stands_in;
+
 const CODES: &str = "\
 # Errors and warnings
 
@@ -27,12 +29,4 @@ fn every_code_has_its_place_in_the_page_of_codes() {
         }
     }
     stands_in("docs/codes.md", &page);
-}
-
-fn stands_in(path: &str, page: &str) {
-    if std::env::var_os("UPDATE_DOCS").is_some() {
-        std::fs::write(path, page).unwrap();
-    }
-    let stored = std::fs::read_to_string(path).unwrap_or_default();
-    assert!(stored == page, "{path} is out of date; run the tests once with UPDATE_DOCS=1");
 }

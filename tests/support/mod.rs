@@ -2,6 +2,7 @@
 #![allow(dead_code, reason = "every test uses what it needs")]
 
 pub mod counting;
+pub mod generated;
 pub mod program;
 pub mod street;
 pub mod text;

@@ -18,6 +18,7 @@ pub use against_baseline::{BaselineDiff, baseline_diff_json, render_baseline_dif
 pub(crate) use came_to::{CriterionInBoth, criteria, metric_pairs};
 pub(crate) use course::{contact_words, contacts, course, endings};
 pub(crate) use parts::{by, partings};
+pub(crate) use sides::LETTERS;
 pub use sides::{DiffSide, RunDiff};
 
 /// Two runs in words, in ten to thirty lines.
@@ -28,7 +29,7 @@ pub fn render_diff(run: &RunDiff) -> String {
         text.push('\n');
     };
     line(&format!("{}: {}", run.key, verdict(run.standings())));
-    for (letter, side) in ["A", "B"].into_iter().zip(&run.sides) {
+    for (letter, side) in LETTERS.into_iter().zip(&run.sides) {
         let is_named = side.case.key != run.key;
         let named = if is_named { format!("  (as {})", side.case.key) } else { String::new() };
         line(&format!("  {letter}  {}{named}", side.otherwise));

@@ -5,6 +5,9 @@ use crate::why::Standing;
 use results::{Outcome, Requests, TwoRuns};
 use scenario::{Case, Criterion};
 
+/// What the two are called.
+pub(crate) const LETTERS: [&str; 2] = ["A", "B"];
+
 /// Two runs that are told side by side.
 pub struct RunDiff<'a> {
     /// The run that was asked for.

@@ -10,12 +10,10 @@ use super::embed;
 use super::rendered;
 use super::still::still;
 use super::told::{RunTold, Why, quoted};
-use crate::diff::{self, RunDiff};
+use crate::diff::{self, LETTERS, RunDiff};
 use crate::replay::describe;
 use crate::why::Standing;
 use results::{OneOfTwo, Parting, Program};
-
-const LETTERS: [&str; 2] = ["A", "B"];
 
 #[derive(Debug, Serialize)]
 struct DiffPage {
@@ -90,10 +88,10 @@ pub fn diff_to_html(run: &RunDiff, command: &str) -> String {
 impl DiffPage {
     fn new(run: &RunDiff, command: &str) -> Self {
         let reasons = run.reasons();
-        let [in_a, in_b] = run.reasons();
+        let criteria = diff::criteria(&reasons);
+        let [in_a, in_b] = reasons;
         let told = [(in_a, &run.two.a), (in_b, &run.two.b)]
             .map(|(reasons, one)| RunTold::of(reasons, "", &one.recording));
-        let criteria = diff::criteria(&reasons);
         let (class, mark) = colour(run.standings());
         let parting = run.two.apart.as_ref().or(run.two.first.as_ref());
         let moment = first_failure(&told).or(parting.map(|parting| parting.time));

@@ -6,6 +6,7 @@ use super::asked::{AskedOfRun, RunReading};
 use super::pairs::{DrawnPair, MOST_PAIRS, MOST_USERS, drawn_pairs};
 use super::plots::{AFTER, LONGEST, Points, above, of_places, said, slopes};
 use crate::chart::{AxisQuantity, Look, OverTime, Rule, TimeMark, TimeSeries};
+use crate::diff::LETTERS;
 use results::Recording;
 use scenario::Dimension;
 
@@ -211,7 +212,7 @@ impl Drawing<'_, '_> {
         let in_unit = |value: f64| unit.map_or(value, |unit| unit.of_si(value));
         let mut rules: Vec<Rule> = Vec::new();
         let mut marks = Vec::new();
-        for ((side, look), letter) in self.sides.iter().zip(looks()).zip(["A", "B"]) {
+        for ((side, look), letter) in self.sides.iter().zip(looks()).zip(LETTERS) {
             for rule in side.asked.rules(metric, sign, unit, |_| true) {
                 if !rules.contains(&rule) {
                     rules.push(rule);
@@ -227,7 +228,7 @@ impl Drawing<'_, '_> {
                 })
             }));
         }
-        let series = points.into_iter().zip(looks()).zip(["A", "B"]).map(|((points, look), name)| {
+        let series = points.into_iter().zip(looks()).zip(LETTERS).map(|((points, look), name)| {
             let in_unit = |(time, value): (f64, Option<f64>)| (time, value.map(in_unit));
             TimeSeries { look, name: name.into(), points: points.into_iter().map(in_unit).collect() }
         });

@@ -3,8 +3,7 @@
 use serde_json::Value;
 
 use super::diff_to_html;
-use super::policy::content_security_policy;
-use super::tests::{assert_well_formed, part, policy_of};
+use super::tests::{assert_runs_our_script_alone, assert_well_formed, part};
 use crate::fixture::Session;
 
 const COMMAND: &str = "scenario-runner diff 'zebra/tta=6s/rep=1' --controller 'av=carla_behavior,idm_<aeb>'";
@@ -45,13 +44,7 @@ fn both_stand_beside_each_other_with_all_that_the_terminal_says() {
 #[test]
 fn browsers_run_our_script_and_no_other() {
     let page = page();
-    let policy = policy_of(&page).replace("&#x27;", "'").replace("&#x2f;", "/");
-    let inner = |from: &str, to: &str| part(&page, from, to)[from.len()..].to_string();
-    let (style, script) = (inner("<style>", "</style>"), inner("<script>", "</script>"));
-    assert_eq!(policy, content_security_policy(&style, &script));
-    for forbidden in [" style=", " onclick=", "javascript:", ".innerHTML", "eval("] {
-        assert!(!page.contains(forbidden), "{forbidden}");
-    }
+    assert_runs_our_script_alone(&page);
     assert_well_formed(&page);
     assert!(page == self::page(), "equal runs give equal bytes");
 }

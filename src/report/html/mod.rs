@@ -45,7 +45,9 @@ use files::escape::html_characters;
 use results::Results;
 
 /// The pages and their parts.
-const TEMPLATES: [(&str, &str); 15] = [
+const TEMPLATES: [(&str, &str); 17] = [
+    ("head.html", include_str!("head.html")),
+    ("controls.html", include_str!("controls.html")),
     ("diff.html", include_str!("diff.html")),
     ("page.html", include_str!("page.html")),
     ("failures.html", include_str!("failures.html")),
@@ -152,10 +154,13 @@ mod tests {
 
     #[test]
     fn browsers_run_our_script_and_no_other() {
-        let page = page();
-        let policy = policy_of(&page).replace("&#x27;", "'").replace("&#x2f;", "/");
+        assert_runs_our_script_alone(&page());
+    }
+
+    pub(super) fn assert_runs_our_script_alone(page: &str) {
+        let policy = policy_of(page).replace("&#x27;", "'").replace("&#x2f;", "/");
         let inner = |from: &str, to: &str| {
-            let element = part(&page, from, to);
+            let element = part(page, from, to);
             element[from.len()..].to_string()
         };
         let (style, script) = (inner("<style>", "</style>"), inner("<script>", "</script>"));

@@ -213,3 +213,28 @@ fn by_sample(costs: &[f64], others: usize) -> Option<(f64, f64)> {
         * (variance * (1.0 / others.max(1) as f64 + 1.0 / number)).sqrt();
     Some(((mean - off).max(0.0), mean + off))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Ten trials of ten runs that pilot runs expect to take 1 s each; of those that are over a run cost so much.
+    fn left(costs: &[f64]) -> TimeLeft {
+        let mut pilots = Pilots::default();
+        (0..10).for_each(|unit| (0..2).for_each(|_| pilots.made(unit, 10, Duration::from_secs(1))));
+        costs.iter().enumerate().for_each(|(unit, cost)| pilots.over(unit, 8, Some(*cost)));
+        pilots.left(&[], 0, 0).unwrap()
+    }
+
+    #[test]
+    fn a_machine_that_gets_faster_or_slower_makes_a_range_with_the_truth_in_it() {
+        let steady = left(&[1.0; 8]);
+        assert!(steady.is_one() && (steady.middle() - 16.0).abs() < 1e-9, "{steady:?}");
+        let faster = left(&[4.0, 4.0, 4.0, 4.0, 4.0, 1.0, 1.0, 1.0]);
+        let slower = left(&[1.0, 1.0, 1.0, 1.0, 1.0, 4.0, 4.0, 4.0]);
+        for (said, truth) in [(faster, 16.0), (slower, 64.0)] {
+            assert!(said.least <= truth && said.most.unwrap() >= truth, "{said:?}");
+        }
+        assert!(!faster.is_one(), "{faster:?}");
+    }
+}
