@@ -9,7 +9,7 @@ use numbers::random::Stream;
 use results::Workload;
 
 /// As a session makes them.
-const PILOT_RUNS: usize = 8;
+const PILOT_RUNS: usize = 64;
 const PILOT_TIME: f64 = 1.5;
 
 /// A session with trials of runs that take so long each, s.

@@ -151,9 +151,24 @@ impl Pilots {
         [0.5, 0.1].into_iter().filter_map(pace).collect()
     }
 
+    /// How far what trials cost that are over was off what was expected at a pace, in the units of [`Self::scatter`], and from how many that is
+    /// known. It is more than runs scatter where pilot runs are unlike others: where their people are others, or other work was done beside.
+    fn error_of_pilots(&self, pace: f64) -> (f64, f64) {
+        let (mut squares, mut foreseen) = (0.0, 0.0);
+        for one in &self.over {
+            let off = one.cost - pace * one.expected;
+            squares += off * off;
+            foreseen += pace * pace * one.square;
+        }
+        if foreseen > 0.0 { ((squares / foreseen).sqrt(), self.over.len() as f64) } else { (0.0, 0.0) }
+    }
+
     /// Between what lies at a pace what trials under way still cost, and those with pilot runs that have yet to begin, at 95 %.
     fn known(&self, under_way: &[UnderWay], (pace, pace_error): (f64, f64)) -> (f64, f64) {
-        let (scatter, freedom) = self.scatter();
+        let (runs, pilots) = (self.scatter(), self.error_of_pilots(pace));
+        // Of one or two trials it may be luck.
+        let are_unlike = pilots.1 >= 3.0 && pilots.0 > runs.0;
+        let (scatter, freedom) = if are_unlike { (pilots.0, runs.1.max(pilots.1)) } else { runs };
         let mut expected = 0.0;
         let mut squares = 0.0;
         for pilot in self.ahead.values() {

@@ -14,7 +14,7 @@ use scenario::Case;
 /// Of more trials, so many that are spread over all.
 const MOST_TRIALS: usize = 64;
 /// Runs of each, as far as there is time.
-const MOST_RUNS: usize = 8;
+const MOST_RUNS: usize = 64;
 /// After that no more are made.
 const BUDGET: Duration = Duration::from_millis(1500);
 
