@@ -20,6 +20,9 @@ pub const DEFAULT_SEED: u64 = 1;
 
 const MOST_FILES: usize = 20_000;
 
+/// So many files are parsed side by side and held until they are opened.
+const AHEAD: usize = 1024;
+
 /// The suite that the file is: what it declares, or all scenarios of a scenario file.
 pub fn suite(
     files: &mut Texts,
@@ -356,13 +359,14 @@ fn open_all(
             }
         };
         let mut matched = 0;
-        let mut others: Vec<PathBuf> = Vec::new();
+        let (mut scenes, mut others): (Vec<PathBuf>, Vec<PathBuf>) = Default::default();
+        let mut too_many = None;
         // Folders count as well: `/**` would go through all there are.
         for (place, found) in paths.enumerate() {
             let is_file = texts.is_file(&found);
             matched += usize::from(is_file);
             if place >= MOST_FILES {
-                report.push(
+                too_many = Some(
                     Diagnostic::new(
                         Code::TooManyFiles,
                         *span,
@@ -377,16 +381,21 @@ fn open_all(
                 continue;
             }
             match file_kind(&found) {
-                Some(FileKind::Scenarios | FileKind::Yaml) => {
-                    if let Some(file) = files.open(&join(&found, &file_name(&found)), Some(*span), report)
-                        && seen.insert(file)
-                    {
-                        opened.push((file, *span));
-                    }
-                }
+                Some(FileKind::Scenarios | FileKind::Yaml) => scenes.push(join(&found, &file_name(&found))),
                 _ => others.push(found),
             }
         }
+        for some in scenes.chunks(AHEAD) {
+            files.parse_ahead(some.iter().map(PathBuf::as_path));
+            for path in some {
+                if let Some(file) = files.open(path, Some(*span), report)
+                    && seen.insert(file)
+                {
+                    opened.push((file, *span));
+                }
+            }
+        }
+        report.extend(too_many);
         report.extend(no_scenarios(pattern, *span, &others));
         if matched == 0 {
             report.push(
@@ -595,7 +604,7 @@ fn reject_idle_criteria(
 mod tests {
     use std::path::Path;
 
-    use files::Memory;
+    use files::{Files, Memory};
     use models::standard;
 
     use super::*;
@@ -619,5 +628,43 @@ mod tests {
         // Where something else is an error, that is why.
         let other = Diagnostic::new(Code::UnexpectedText, span, "other");
         assert_eq!(lost(&["b"], vec![other]), Vec::<String>::new());
+    }
+
+    #[test]
+    fn files_that_are_parsed_ahead_say_what_they_say_one_after_the_other() {
+        let whole = "scenario NAME { road { lane_width 4 m; speed_limit 30 km/h; crossing zebra } vehicle av { controller yielding; speed 30 km/h; start 60 m before crossing } pedestrian walker { model scripted; start 2 m from kerb; appears at 1 s } expect { no collision } }";
+        let suite = "suite all { scenarios \"s/*.scn\", \"s/a*.scn\", \"s/*.yaml\" }";
+        let files = Memory::default()
+            .with("all.suite", suite)
+            .with("s/a1.scn", whole.replace("NAME", "a1"))
+            // Twice, unfinished, nothing in it, a circle, and what uses another that is matched as well.
+            .with("s/a2.scn", whole.replace("NAME", "a1"))
+            .with("s/b.scn", whole.replace("NAME", "b").replace("30 km/h", "30 kmh"))
+            .with("s/c.scn", "scenario c { road {")
+            .with("s/d.scn", "")
+            .with("s/e.scn", "use \"f.scn\"\n".to_string() + &whole.replace("NAME", "e"))
+            .with("s/f.scn", "use \"e.scn\"\n".to_string() + &whole.replace("NAME", "f"))
+            .with("s/g.scn", "use \"a1.scn\"\nscenario g like a1 { }")
+            .with("s/h.yaml", "scenarios: [");
+        let path = Path::new("all.suite");
+        let told = |examined: crate::Examined| {
+            let style = crate::Style { colour: false };
+            let found = examined.found.iter().map(|one| crate::render(one, &examined.sources, style));
+            (found.collect::<Vec<_>>(), examined.suite.map(|suite| format!("{suite:?}")))
+        };
+        let ahead = told(crate::examine(path, &standard(), &files));
+        // While a text is edited nothing is parsed ahead.
+        assert_eq!(ahead, told(crate::examine_edited(path, suite, &standard(), &files)));
+        assert!(ahead.0.len() > 4, "{:#?}", ahead.0);
+        let names = ["a1", "g"].map(|name| format!("s/{name}.scn"));
+        let sound = names.iter().fold(Memory::default().with("all.suite", suite), |sound, name| {
+            sound.with(
+                name,
+                String::from_utf8(files.read(Path::new(name), &["scn"], 1 << 20).unwrap()).unwrap(),
+            )
+        });
+        let sound = sound.with("s/h.yaml", "scenarios: []");
+        let ahead = told(crate::examine(path, &standard(), &sound));
+        assert_eq!(ahead, told(crate::examine_edited(path, suite, &standard(), &sound)));
     }
 }

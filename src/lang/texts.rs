@@ -5,6 +5,8 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use super::check;
 use super::codes::{Code, Severity};
 use super::diagnostic::Diagnostic;
@@ -80,6 +82,8 @@ pub struct Texts<'f> {
     files: Vec<File>,
     /// By canonical path; `None` while it is being read or when it could not be.
     by_path: HashMap<PathBuf, Option<FileId>>,
+    /// Files that are opened next, parsed before that, by canonical path.
+    ahead: HashMap<PathBuf, Tree>,
     /// The files being read, with the `use` that led to each.
     reading: Vec<(PathBuf, Option<Span>)>,
     /// What the command line says otherwise.
@@ -109,6 +113,7 @@ impl<'f> Texts<'f> {
             sources: Sources::default(),
             files: Vec::new(),
             by_path: HashMap::new(),
+            ahead: HashMap::new(),
             reading: Vec::new(),
             outside: Outside::default(),
             overrides: Overrides::default(),
@@ -197,6 +202,27 @@ impl<'f> Texts<'f> {
         (0..self.files.len() as u32).map(FileId)
     }
 
+    /// Parses scenario files that are opened next, side by side. What is wrong with one is said when it is opened.
+    pub fn parse_ahead<'p>(&mut self, paths: impl Iterator<Item = &'p Path>) {
+        // Of a text that is changed, or is not read at all, there is nothing to parse ahead.
+        if !self.overrides.is_empty() || self.largest != usize::MAX {
+            return;
+        }
+        let identified = paths.map(|path| (self.texts.identity(path), path));
+        let unread: Vec<_> = identified
+            .filter(|(identity, path)| {
+                file_kind(path) != Some(FileKind::Yaml) && !self.by_path.contains_key(identity)
+            })
+            .collect();
+        let texts = self.texts;
+        let parsed = unread.into_par_iter().filter_map(|(identity, path)| {
+            let text = String::from_utf8(texts.read(path, &ENDINGS, LARGEST_FILE as u64).ok()?).ok()?;
+            let (tree, wrong) = Tree::parse(SourceId(u32::MAX), text.into());
+            wrong.is_empty().then_some((identity, tree))
+        });
+        self.ahead = parsed.collect();
+    }
+
     /// Reads the file at `path` and all it uses; `asked` is the place that names it.
     pub fn open(&mut self, path: &Path, asked: Option<Span>, report: &mut Vec<Diagnostic>) -> Option<FileId> {
         let identity = self.texts.identity(path);
@@ -211,7 +237,15 @@ impl<'f> Texts<'f> {
         }
         self.by_path.insert(identity.clone(), None);
         let name = path.display().to_string();
-        let read = self.read(path).and_then(|text| self.within_bounds(path, text));
+        let ahead = self.ahead.remove(&identity);
+        let read = match &ahead {
+            Some(tree) => {
+                self.note(path, tree.text().as_bytes());
+                Ok(tree.text().into())
+            }
+            None => self.read(path),
+        };
+        let read = read.and_then(|text| self.within_bounds(path, text));
         let source = match read {
             Ok(text) => match file_kind(path) {
                 Some(FileKind::Yaml) => self.sources.add(name, text),
@@ -247,14 +281,14 @@ impl<'f> Texts<'f> {
                     let places = places.edited(&lengths);
                     let translation = self.sources.add_translation(text.to_string(), source, places);
                     self.mark(translation, &edits);
-                    Some(self.add(translation, path, report))
+                    Some(self.add(translation, path, None, report))
                 }
                 Err(diagnostics) => {
                     report.extend(diagnostics);
                     None
                 }
             },
-            _ => Some(self.add(source, path, report)),
+            _ => Some(self.add(source, path, ahead, report)),
         };
         self.reading.pop();
         self.by_path.insert(identity, file);
@@ -358,8 +392,18 @@ impl<'f> Texts<'f> {
         diagnostic.hint("move what both need into a third file")
     }
 
-    fn add(&mut self, source: SourceId, path: &Path, report: &mut Vec<Diagnostic>) -> FileId {
-        let (tree, diagnostics) = Tree::parse(source, self.sources.get(source).text.clone());
+    /// Adds a text, unless it was parsed `ahead`, with all it uses.
+    fn add(
+        &mut self,
+        source: SourceId,
+        path: &Path,
+        ahead: Option<Tree>,
+        report: &mut Vec<Diagnostic>,
+    ) -> FileId {
+        let (tree, diagnostics) = match ahead {
+            Some(tree) => (tree.of_source(source), Vec::new()),
+            None => Tree::parse(source, self.sources.get(source).text.clone()),
+        };
         report.extend(diagnostics);
         let uses: Vec<(String, Span)> =
             tree.file().uses().map(|used| (used.path().value(), used.path().span())).collect();

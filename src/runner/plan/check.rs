@@ -28,9 +28,9 @@ pub fn check(scenario: &Scenario, world: &World) -> Result<(), PlanError> {
 pub fn check_numbers(scenario: &Scenario, world: &World) -> Result<(), PlanError> {
     let checker = Checker { scenario };
     let own = &scenario.origin;
-    checker.within("step", "the simulation step", world.step, limits::STEP, own)?;
-    checker.within("horizon", "the horizon", world.horizon, limits::HORIZON, own)?;
-    checker.within("finish", "the finish line", world.finish, limits::FINISH, own)?;
+    checker.within("step", || "the simulation step".into(), world.step, limits::STEP, own)?;
+    checker.within("horizon", || "the horizon".into(), world.horizon, limits::HORIZON, own)?;
+    checker.within("finish", || "the finish line".into(), world.finish, limits::FINISH, own)?;
     checker.road(world)?;
     for (index, vehicle) in world.vehicles.iter().enumerate() {
         checker.vehicle(index, vehicle, world)?;
@@ -53,7 +53,7 @@ pub fn check_share(
 ) -> Result<(), PlanError> {
     let (name, kind) = (&declared.name, declared.kind.word());
     let what = format!("the share of the vehicle's width at which {kind} `{name}` meets it");
-    Checker { scenario }.within(&format!("{name}.meets"), &what, share, limits::MEETS, own)
+    Checker { scenario }.within(&format!("{name}.meets"), || what, share, limits::MEETS, own)
 }
 
 /// Whether a number of the road is in its range.
@@ -68,7 +68,7 @@ pub fn check_number(
     limit: Limit,
     own: &Origin,
 ) -> Result<(), PlanError> {
-    Checker { scenario }.within(name, what, found, limit, own)
+    Checker { scenario }.within(name, || what.to_string(), found, limit, own)
 }
 
 /// Whether the numbers are in their ranges that say where somebody walks whose way is not simply across a straight road: the start from
@@ -85,8 +85,8 @@ pub fn check_places(
     let (checker, name, own) = (Checker { scenario }, &declared.name, &declared.origin);
     let kind = declared.kind.word();
     let within = |key: &str, what: &str, found: f64, limit: Limit| {
-        let what = format!("the {what} of {kind} `{name}`");
-        checker.within(&format!("{name}.{key}"), &what, found, limit, own)
+        let what = || format!("the {what} of {kind} `{name}`");
+        checker.within(&format!("{name}.{key}"), what, found, limit, own)
     };
     within("start", "start", start, checker.start_limit(name))?;
     within("along", "place along the road", along, limits::ALONG)?;
@@ -113,11 +113,11 @@ struct Checker<'a> {
 }
 
 impl Checker<'_> {
-    /// A number that the scenario says under `name`, or else at `fallback`.
+    /// A number that the scenario says under `name`, or else at `fallback`; asked `what` it is where it is out of its range.
     fn within(
         &self,
         name: &str,
-        what: &str,
+        what: impl FnOnce() -> String,
         found: f64,
         limit: Limit,
         fallback: &Origin,
@@ -128,7 +128,7 @@ impl Checker<'_> {
     fn number(
         &self,
         name: &str,
-        what: &str,
+        what: impl FnOnce() -> String,
         found: f64,
         (dimension, (low, high)): (Dimension, (f64, f64)),
         fallback: &Origin,
@@ -140,7 +140,7 @@ impl Checker<'_> {
             return Ok(());
         }
         let notation = said.and_then(|said| said.notation);
-        let (message, range) = out_of_range(what, found, (low, high), dimension, notation);
+        let (message, range) = out_of_range(&what(), found, (low, high), dimension, notation);
         let hint = format!("keep it {range} for all values of what it depends on");
         Err(PlanError::new(said.map_or(fallback, |said| &said.origin), message).with_hint(hint))
     }
@@ -148,8 +148,14 @@ impl Checker<'_> {
     /// Roads have the same numbers in all worlds.
     fn road(&self, world: &World) -> Result<(), PlanError> {
         let (road, own) = (&world.road, &self.scenario.origin);
-        self.within("road.lane_width", "the lane width", road.lane_width, limits::LANE_WIDTH, own)?;
-        self.within("road.speed_limit", "the speed limit", road.speed_limit, limits::SPEED_LIMIT, own)?;
+        self.within("road.lane_width", || "the lane width".into(), road.lane_width, limits::LANE_WIDTH, own)?;
+        self.within(
+            "road.speed_limit",
+            || "the speed limit".into(),
+            road.speed_limit,
+            limits::SPEED_LIMIT,
+            own,
+        )?;
         let signal = match road.crossing.kind {
             CrossingKind::Signalised(signal) => {
                 signal.check().map_err(|error| PlanError::new(own, error.message).with_hint(error.hint))?;
@@ -167,15 +173,16 @@ impl Checker<'_> {
         };
         let bodies = road.boxes.iter().flat_map(|Body { x, y, length, width, .. }| [*x, *y, *length, *width]);
         for number in bodies.chain(signal).chain([road.crossing.width]) {
-            self.finite("a number of the road", number, own)?;
+            self.finite(|| "a number of the road".into(), number, own)?;
         }
         Ok(())
     }
 
-    fn finite(&self, what: &str, found: f64, origin: &Origin) -> Result<(), PlanError> {
+    fn finite(&self, what: impl FnOnce() -> String, found: f64, origin: &Origin) -> Result<(), PlanError> {
         if found.is_finite() {
             return Ok(());
         }
+        let what = what();
         Err(PlanError::new(origin, format!("{what} is {found}, which is no number to calculate with"))
             .with_hint("check what it is calculated from"))
     }
@@ -185,7 +192,7 @@ impl Checker<'_> {
         let (name, own) = (&setup.name, &declared.origin);
         let of = |what: &str| format!("the {what} of vehicle `{name}`");
         let within = |key: &str, found: f64, limit: Limit| {
-            self.within(&format!("{name}.{key}"), &of(key), found, limit, own)
+            self.within(&format!("{name}.{key}"), || of(key), found, limit, own)
         };
         within("length", setup.length, limits::SIZE)?;
         within("width", setup.width, limits::SIZE)?;
@@ -202,7 +209,7 @@ impl Checker<'_> {
                 if !matches!(declared.start, DeclaredVehicleStart::Automatic) {
                     within("start", time, limits::VEHICLE_ARRIVAL)?;
                 }
-                self.finite(&of("start"), x, own)?;
+                self.finite(|| of("start"), x, own)?;
                 if setup.speed == 0.0 {
                     let message = format!("vehicle `{name}` stands still, so that it has no time to arrival");
                     let hint = "give it a speed, or a place: `start 80 m before crossing`";
@@ -224,15 +231,15 @@ impl Checker<'_> {
         let declared = &self.scenario.pedestrians[index];
         let (name, own, road) = (&setup.name, &declared.origin, &world.road);
         let kind = setup.kind.word();
-        let within = |key: &str, what: String, found: f64, limit: Limit| {
-            self.within(&format!("{name}.{key}"), &what, found, limit, own)
-        };
         let of = |what: &str| format!("the {what} of {kind} `{name}`");
+        let within = |key: &str, what: &str, found: f64, limit: Limit| {
+            self.within(&format!("{name}.{key}"), || of(what), found, limit, own)
+        };
         match setup.shape {
-            Shape::Disc { radius } => within("radius", of("radius"), radius, limits::RADIUS)?,
+            Shape::Disc { radius } => within("radius", "radius", radius, limits::RADIUS)?,
             Shape::Rectangle { length, width } => {
-                within("length", of("length"), length, limits::SIZE)?;
-                within("width", of("width"), width, limits::SIZE)?;
+                within("length", "length", length, limits::SIZE)?;
+                within("width", "width", width, limits::SIZE)?;
             }
         }
         let at = road.numbered_crossing(setup.crossing).0;
@@ -252,24 +259,25 @@ impl Checker<'_> {
             self.straight_across(setup, road, declared)?;
         }
         for number in [setup.start.x, setup.start.y, setup.goal.x, setup.goal.y] {
-            self.finite(&of("way"), number, own)?;
+            self.finite(|| of("way"), number, own)?;
         }
         match setup.appears {
             Appearance::At(time) => {
-                let what = format!("the time at which {kind} `{name}` appears");
-                within("appears", what, time, limits::APPEARS_AT)?;
+                let what = || format!("the time at which {kind} `{name}` appears");
+                self.within(&format!("{name}.appears"), what, time, limits::APPEARS_AT, own)?;
             }
             Appearance::TimeToArrival { time, .. } => {
-                let what = format!("the time to arrival at which {kind} `{name}` appears");
-                within("appears", what, time, limits::APPEARS_WHEN)?;
+                let what = || format!("the time to arrival at which {kind} `{name}` appears");
+                self.within(&format!("{name}.appears"), what, time, limits::APPEARS_WHEN, own)?;
             }
             Appearance::Meeting { time, place, .. } => {
-                self.finite(&format!("the time that {kind} `{name}` needs to meet its vehicle"), time, own)?;
-                self.finite(&format!("the place at which {kind} `{name}` meets its vehicle"), place, own)?;
+                let needed = || format!("the time that {kind} `{name}` needs to meet its vehicle");
+                self.finite(needed, time, own)?;
+                let met = || format!("the place at which {kind} `{name}` meets its vehicle");
+                self.finite(met, place, own)?;
             }
         }
-        let what = of("reference point");
-        within("reference", what, setup.reference, limits::REFERENCE)?;
+        within("reference", "reference point", setup.reference, limits::REFERENCE)?;
         self.settings(&format!("{name}.model"), &setup.model, &declared.model.origin)
     }
 
@@ -282,8 +290,8 @@ impl Checker<'_> {
     ) -> Result<(), PlanError> {
         let (name, own, kind) = (&setup.name, &declared.origin, setup.kind.word());
         let within = |key: &str, what: &str, found: f64, limit: Limit| {
-            let what = format!("the {what} of {kind} `{name}`");
-            self.within(&format!("{name}.{key}"), &what, found, limit, own)
+            let what = || format!("the {what} of {kind} `{name}`");
+            self.within(&format!("{name}.{key}"), what, found, limit, own)
         };
         let sign = setup.side.walking_sign();
         let start = sign * (road.outer_lane_centre(setup.side) - setup.start.y);
@@ -324,23 +332,23 @@ impl Checker<'_> {
             let Some(value) = setup.settings.get(&parameter.name) else { continue };
             let Err(error) = parameter.check(&declaration.name, value) else { continue };
             let name = format!("{part}.{}", parameter.name);
-            let what = format!("`{}` of `{}`", parameter.name, declaration.name);
+            let what = || format!("`{}` of `{}`", parameter.name, declaration.name);
             match (value, &parameter.kind) {
                 (Value::Number(found), ParameterKind::Number { dimension, range, .. }) => {
-                    self.number(&name, &what, *found, (*dimension, *range), origin)?;
+                    self.number(&name, what, *found, (*dimension, *range), origin)?;
                 }
                 (Value::Number(found), ParameterKind::Whole { range: (low, high), .. })
                     if found.fract() == 0.0 =>
                 {
                     let range = (*low as f64, *high as f64);
-                    self.number(&name, &what, *found, (Dimension::NUMBER, range), origin)?;
+                    self.number(&name, what, *found, (Dimension::NUMBER, range), origin)?;
                 }
                 (Value::Number(found), ParameterKind::Whole { .. }) => {
                     let shown = show(*found, None, Dimension::NUMBER);
                     let origin = self.scenario.written.get(&name).map_or(origin, |said| &said.origin);
                     return Err(PlanError::new(
                         origin,
-                        format!("{what} is {shown}, but must be a whole number"),
+                        format!("{} is {shown}, but must be a whole number", what()),
                     )
                     .with_hint("let it be whole for all combinations of values"));
                 }

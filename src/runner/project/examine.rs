@@ -4,11 +4,11 @@ use std::path::Path;
 
 use super::claims::examine_claims;
 use crate::experiment::rehearse_searches;
-use crate::run::{Departing, Obstacle, Stage, departing, rehearse};
+use crate::run::{Departing, Obstacle, Rehearsal, Stage, rehearse};
 use files::Files;
 use lang::{self, Code, Diagnostic, Sources};
 use scenario::registry::Registry;
-use scenario::{Suite, show};
+use scenario::show;
 
 /// Everything that is to be said about a file, which may be there only to be used by others.
 pub fn examine(path: &Path, registry: &Registry, files: &dyn Files) -> (Vec<Diagnostic>, Sources) {
@@ -28,9 +28,10 @@ pub fn examine_edited(
 fn whole(lang::Examined { suite, mut found, sources }: lang::Examined) -> (Vec<Diagnostic>, Sources) {
     if let Some(suite) = &suite {
         found.extend(examine_claims(suite, &sources));
-        let obstacles = rehearse(suite).into_iter().chain(rehearse_searches(suite));
+        let Rehearsal { obstacles, departing } = rehearse(suite);
+        let obstacles = obstacles.into_iter().chain(rehearse_searches(suite));
         found.extend(obstacles.filter_map(|obstacle| finding(obstacle, &sources)));
-        found.extend(examine_models(suite, &sources));
+        found.extend(doubts(departing, &sources));
         found.sort_by_key(|diagnostic| (diagnostic.span().source, diagnostic.span().start));
     }
     (found, sources)
@@ -48,8 +49,8 @@ fn finding(obstacle: Obstacle, sources: &Sources) -> Option<Diagnostic> {
 }
 
 /// Models that are others than were published, to be warned of.
-pub fn examine_models(suite: &Suite, sources: &Sources) -> Vec<Diagnostic> {
-    let doubt = |Departing { departure, case, origin, .. }: Departing| {
+pub fn doubts(departing: Vec<Departing>, sources: &Sources) -> impl Iterator<Item = Diagnostic> {
+    departing.into_iter().filter_map(|Departing { departure, case, origin, .. }| {
         let published = show(departure.published, None, departure.dimension);
         let doubt = Diagnostic::new(Code::AnotherModel, sources.span(&origin)?, departure.to_string())
             .label("another model than was published")
@@ -58,6 +59,5 @@ pub fn examine_models(suite: &Suite, sources: &Sources) -> Vec<Diagnostic> {
                 departure.parameter
             ));
         Some(Diagnostic { notes: vec![format!("in {case}")], ..doubt })
-    };
-    departing(suite).into_iter().filter_map(doubt).collect()
+    })
 }

@@ -4,13 +4,13 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::claims::examine_claims;
-use super::examine::examine_models;
+use super::examine::doubts;
 use super::notice::{Notice, NoticeLevel};
 use super::planned_suite::{PlannedSuite, ProjectOptions};
 use crate::corpus::{corpus_path, is_unchecked, read_corpus};
 use crate::experiment::rehearse_searches;
 use crate::plan::{Plan, PlanError, PlannedTrial, plan};
-use crate::run::{Obstacle, rehearse_trials};
+use crate::run::{Obstacle, Rehearsal, rehearse_trials};
 use files::Files;
 use lang::{self, Code, Diagnostic, Severity, Sources};
 use results::Recorded;
@@ -54,13 +54,13 @@ pub fn open(
         }
     };
     // Road users are built once, so that what a model cannot do is said before anything runs.
-    let mut obstacles = rehearse_trials(&plan);
+    let Rehearsal { mut obstacles, departing } = rehearse_trials(&plan);
     obstacles.extend(rehearse_searches(&suite));
     if !obstacles.is_empty() {
         notices.extend(obstacles.into_iter().map(obstacle));
         return None;
     }
-    notices.extend(findings(examine_models(&suite, &sources), &sources));
+    notices.extend(findings(doubts(departing, &sources), &sources));
     if let Some(idle) = nothing_asked(&suite, &plan, is_set_aside) {
         notices.push(idle);
         return None;
@@ -69,7 +69,10 @@ pub fn open(
     Some(PlannedSuite { file, suite, plan, recorded })
 }
 
-fn findings(found: Vec<Diagnostic>, sources: &Arc<Sources>) -> impl Iterator<Item = Notice> {
+fn findings(
+    found: impl IntoIterator<Item = Diagnostic>,
+    sources: &Arc<Sources>,
+) -> impl Iterator<Item = Notice> {
     found.into_iter().map(|finding| Notice::Finding { finding, sources: sources.clone() })
 }
 

@@ -1,7 +1,7 @@
 //! Models that a world makes other ones than were published: what every report and baseline names.
 
-use crate::plan::{self, PlannedTrial};
-use scenario::{Departure, ModelSetup, Origin, Registered, Scenario, Suite, World};
+use crate::plan::PlannedTrial;
+use scenario::{Case, Departure, ModelSetup, Origin, Registered, Scenario, World};
 
 /// A road user whose model is another one than was published.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,29 +45,20 @@ pub fn departures(trial: &PlannedTrial) -> Vec<String> {
     said
 }
 
-/// Of a few runs of every scenario, as [`plan::probe_scenario`] plans them; each thing once.
-pub fn departing(suite: &Suite) -> Vec<Departing> {
-    suite.scenarios.iter().flat_map(|scenario| of_scenario(suite, scenario)).collect()
-}
-
-fn of_scenario(suite: &Suite, scenario: &Scenario) -> Vec<Departing> {
-    let mut found: Vec<Departing> = Vec::new();
-    let trials = plan::probe_scenario(suite, scenario).unwrap_or_default();
-    for case in trials.iter().flat_map(|trial| trial.cases.iter()) {
-        for (who, departure) in of_world(&case.world) {
-            if found.iter().any(|known| known.who == who && known.departure == departure) {
-                continue;
-            }
-            let cars = scenario.vehicles.iter().map(|car| (&car.name, &car.controller.origin));
-            let people = scenario.pedestrians.iter().map(|person| (&person.name, &person.model.origin));
-            let place = cars.chain(people).find(|(name, _)| *name == who);
-            found.push(Departing {
-                who: who.to_string(),
-                departure,
-                case: case.key.clone(),
-                origin: place.map_or(&scenario.origin, |(_, origin)| origin).clone(),
-            });
+/// Adds what departs in a case of a scenario to what was `found` in others, each thing once.
+pub fn note_departing(scenario: &Scenario, case: &Case, found: &mut Vec<Departing>) {
+    for (who, departure) in of_world(&case.world) {
+        if found.iter().any(|known| known.who == who && known.departure == departure) {
+            continue;
         }
+        let cars = scenario.vehicles.iter().map(|car| (&car.name, &car.controller.origin));
+        let people = scenario.pedestrians.iter().map(|person| (&person.name, &person.model.origin));
+        let place = cars.chain(people).find(|(name, _)| *name == who);
+        found.push(Departing {
+            who: who.to_string(),
+            departure,
+            case: case.key.clone(),
+            origin: place.map_or(&scenario.origin, |(_, origin)| origin).clone(),
+        });
     }
-    found
 }

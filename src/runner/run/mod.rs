@@ -30,8 +30,8 @@ pub use batch::{BatchError, RunBatch};
 pub use build::{RunError, road_users};
 pub use case::{Unwatched, run_case};
 pub use chance::{drawing, nothing_is_drawn};
+pub(crate) use departure::Departing;
 pub use departure::departures;
-pub(crate) use departure::{Departing, departing};
 pub use encoding::{DecodingError, EncodedBy};
 pub use executor::{Executor, Round};
 pub use first_runs::{FirstRun, FirstRuns, VerifyRuns};
@@ -41,7 +41,7 @@ pub use job::{
     went_differently,
 };
 pub use panic::{Panicked, note_places};
-pub(crate) use rehearsal::{Obstacle, Stage, rehearse, rehearse_trials};
+pub(crate) use rehearsal::{Obstacle, Rehearsal, Stage, rehearse, rehearse_trials};
 pub(crate) use remembered::Remembered;
 pub(crate) use sequence::{Sequence, Sequences, run_sequences};
 pub use serialised::Serialised;

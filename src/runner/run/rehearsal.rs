@@ -2,7 +2,10 @@
 
 use std::collections::HashMap;
 
+use rayon::prelude::*;
+
 use super::build::{RunError, road_users};
+use super::departure::{Departing, note_departing};
 use crate::plan::{self, Plan, PlanError, PlannedTrial, ScenarioPlan};
 use scenario::{Case, Origin, Scenario, Suite};
 
@@ -25,31 +28,47 @@ pub enum Stage {
     Building,
 }
 
-/// Plans a few runs of every scenario (as [`plan::probe_scenario`] does) and builds the road users of each.
-pub fn rehearse(suite: &Suite) -> Vec<Obstacle> {
-    let mut obstacles = Vec::new();
-    for scenario in &suite.scenarios {
-        match plan::probe_scenario(suite, scenario) {
-            Ok(trials) => {
-                obstacles.extend(refusals(scenario, trials.iter().flat_map(|trial| trial.cases.iter())))
-            }
-            Err(PlanError { message, hint, case, origin }) => {
-                let met = case.map(|key| (key, 1));
-                obstacles.push(Obstacle { stage: Stage::Planning, message, hint, met, origin: *origin });
-            }
-        }
-    }
-    obstacles
+/// What a few runs of every scenario show before any is made.
+#[derive(Debug, Default)]
+pub struct Rehearsal {
+    /// Every one once, at the model that refuses.
+    pub obstacles: Vec<Obstacle>,
+    /// Models that are others than were published.
+    pub departing: Vec<Departing>,
 }
 
-/// What models refuse of trials that are planned already: in the first run of each, and everybody's in the first.
-pub fn rehearse_trials(plan: &Plan) -> Vec<Obstacle> {
+/// Plans a few runs of every scenario (as [`plan::probe_scenario`] does) and builds the road users of each.
+pub fn rehearse(suite: &Suite) -> Rehearsal {
+    let of_scenario = |scenario| match plan::probe_scenario(suite, scenario) {
+        Ok(trials) => Rehearsal::of(scenario, trials.iter().flat_map(|trial| trial.cases.iter())),
+        Err(PlanError { message, hint, case, origin }) => {
+            let met = case.map(|key| (key, 1));
+            let obstacle = Obstacle { stage: Stage::Planning, message, hint, met, origin: *origin };
+            Rehearsal { obstacles: vec![obstacle], departing: Vec::new() }
+        }
+    };
+    suite.scenarios.par_iter().map(of_scenario).collect::<Vec<_>>().into_iter().collect()
+}
+
+/// The same of trials that are planned already: of the first run of each, and everybody's in the first.
+pub fn rehearse_trials(plan: &Plan) -> Rehearsal {
     let of_scenario = |planned: &ScenarioPlan| {
         let first: Vec<Case> = planned.trials().take(1).flat_map(|trial| everybody(&trial)).collect();
         let others = planned.trials().skip(1).map(|trial| trial.cases.first());
-        refusals(planned.scenario(), first.into_iter().chain(others))
+        Rehearsal::of(planned.scenario(), first.into_iter().chain(others))
     };
-    plan.scenarios().iter().flat_map(of_scenario).collect()
+    plan.scenarios().par_iter().map(of_scenario).collect::<Vec<_>>().into_iter().collect()
+}
+
+impl FromIterator<Rehearsal> for Rehearsal {
+    fn from_iter<I: IntoIterator<Item = Rehearsal>>(each: I) -> Self {
+        let mut all = Self::default();
+        for Self { obstacles, departing } in each {
+            all.obstacles.extend(obstacles);
+            all.departing.extend(departing);
+        }
+        all
+    }
 }
 
 /// The first run of everybody.
@@ -57,27 +76,31 @@ fn everybody(trial: &PlannedTrial) -> Vec<Case> {
     trial.cases.iter().filter(|case| case.repetition == 1).collect()
 }
 
-/// Every refusal once, at the model that refuses.
-fn refusals(scenario: &Scenario, cases: impl Iterator<Item = Case>) -> Vec<Obstacle> {
-    let mut obstacles: Vec<Obstacle> = Vec::new();
-    let mut known: HashMap<String, usize> = HashMap::new();
-    for case in cases {
-        let Err(error) = road_users(&case.world, case.seed) else { continue };
-        let message = error.told(scenario);
-        if let Some((_, times)) = known.get(&message).and_then(|index| obstacles[*index].met.as_mut()) {
-            *times += 1;
-            continue;
+impl Rehearsal {
+    fn of(scenario: &Scenario, cases: impl Iterator<Item = Case>) -> Self {
+        let mut found = Self::default();
+        let mut known: HashMap<String, usize> = HashMap::new();
+        for case in cases {
+            note_departing(scenario, &case, &mut found.departing);
+            let Err(error) = road_users(&case.world, case.seed) else { continue };
+            let message = error.told(scenario);
+            if let Some((_, times)) =
+                known.get(&message).and_then(|index| found.obstacles[*index].met.as_mut())
+            {
+                *times += 1;
+                continue;
+            }
+            known.insert(message.clone(), found.obstacles.len());
+            found.obstacles.push(Obstacle {
+                stage: Stage::Building,
+                message,
+                hint: error.hint().map(str::to_string),
+                met: Some((case.key.clone(), 1)),
+                origin: place(scenario, &error).clone(),
+            });
         }
-        known.insert(message.clone(), obstacles.len());
-        obstacles.push(Obstacle {
-            stage: Stage::Building,
-            message,
-            hint: error.hint().map(str::to_string),
-            met: Some((case.key.clone(), 1)),
-            origin: place(scenario, &error).clone(),
-        });
+        found
     }
-    obstacles
 }
 
 /// Where the model is said that refuses.
