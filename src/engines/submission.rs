@@ -168,7 +168,8 @@ fn path(folder: &Path) -> PathBuf {
     folder.join("slurm.json")
 }
 
-/// Does the task of its index. Whatever the exit code, it ends with 0, since a cluster may be set up to do again what did not; one that Slurm
+/// Does the task of its index. One that is ended together with this shell (a time limit, `scancel`) has no exit code: it did not come to its end.
+/// Where a signal ended it, that may yet be on its way to the shell. Whatever the exit code, it ends with 0, since a cluster may be set up to do again what did not; one that Slurm
 /// does again though it had ended does nothing.
 const SCRIPT: &str = r#"line=$(sed -n "$((SLURM_ARRAY_TASK_ID + 1))p" COMMANDS)
 [ -n "$line" ] || exit 125
@@ -177,10 +178,12 @@ left=$1
 out=$2
 shift 2
 [ -e "$left" ] && exit 0
+trap 'exit 125' TERM
 : >"$out" || exit 125
 begun=$(date +%s.%N)
 "$@" </dev/null >"$out" 2>&1
 code=$?
+[ "$code" -le 128 ] || sleep 1
 new=$left.$SLURM_JOB_ID.new
 printf '%s %s %s %s end\n' "$code" "$begun" "$(date +%s.%N)" "$(uname -n)" >"$new" && mv -f "$new" "$left" || exit 125
 exit 0"#;
@@ -321,6 +324,19 @@ mod tests {
 
             submission.remove_files(folder, tasks.len());
             assert_eq!(submission.ended(folder, 0, &tasks[0]), None);
+        }
+
+        #[test]
+        fn a_task_that_is_ended_together_with_its_shell_has_not_ended() {
+            let folder = tempfile::tempdir().unwrap();
+            // The signal comes to the task first.
+            let ends = ["sh", "-c", "(sleep 0.3; kill -TERM $PPID) & kill -TERM $$"];
+            let tasks = [task("a", &ends, folder.path())];
+            let submission = Submission::new(digest(&tasks, &[]));
+            let array = SlurmArray { name: "n".to_string(), job: None, tasks: vec![0] };
+            let script = submission.script(folder.path(), &array, &tasks).unwrap();
+            assert_eq!(run(&script, 0), Some(125));
+            assert_eq!(submission.ended(folder.path(), 0, &tasks[0]), None);
         }
 
         #[test]

@@ -1,5 +1,6 @@
 """What the judges of both engines share: tasks that note what is done of them, and the driver that has them done."""
 
+import glob
 import json
 import os
 import pathlib
@@ -39,6 +40,51 @@ def until(holds, seconds, what):
     return time.monotonic() - begun
 
 
+def there():
+    """All other processes of this machine."""
+    return [int(name) for name in os.listdir("/proc") if name.isdigit() and int(name) != os.getpid()]
+
+
+def environment(process):
+    """That with which a process was started."""
+    try:
+        text = pathlib.Path(f"/proc/{process}/environ").read_bytes().decode(errors="replace")
+    except OSError:
+        return {}
+    return dict(pair.split("=", 1) for pair in text.split("\0") if "=" in pair)
+
+
+def parent(process):
+    """The process that started it, or who has taken its place."""
+    try:
+        return int(pathlib.Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()[1])
+    except OSError:
+        return 0
+
+
+def kill(process):
+    """Ends it, if it is still there."""
+    try:
+        os.kill(process, signal.SIGKILL)
+    except ProcessLookupError:
+        pass
+
+
+def expect_loopback(processes):
+    """These listen, and where nobody else can reach them."""
+    inodes = set()
+    for process in processes:
+        for link in glob.glob(f"/proc/{process}/fd/*"):
+            try:
+                inodes.add(os.readlink(link))
+            except OSError:
+                pass
+    lines = [line.split() for name in ("tcp", "tcp6") for line in pathlib.Path(f"/proc/net/{name}").read_text().splitlines()[1:]]
+    found = {words[1].rsplit(":", 1)[0] for words in lines if words[3] == "0A" and f"socket:[{words[9]}]" in inodes}
+    # 127.0.0.1, ::ffff:127.0.0.1 and ::1 as /proc writes them.
+    expect(found and found <= {"0100007F", "0000000000000000FFFF00000100007F", "00000000000000000000000001000000"}, f"it listens on {found}")
+
+
 class Tasks:
     """Tasks of one folder, and what they have noted."""
 
@@ -72,14 +118,13 @@ class Tasks:
     def processes(self):
         """Those of this folder's tasks that are there."""
         found = []
-        for entry in pathlib.Path("/proc").iterdir():
-            if entry.name.isdigit():
-                try:
-                    words = (entry / "cmdline").read_bytes().split(b"\0")
-                except OSError:
-                    continue
-                if str(self.script).encode() in words:
-                    found.append(int(entry.name))
+        for process in there():
+            try:
+                words = pathlib.Path(f"/proc/{process}/cmdline").read_bytes().split(b"\0")
+            except OSError:
+                continue
+            if str(self.script).encode() in words:
+                found.append(process)
         return found
 
 

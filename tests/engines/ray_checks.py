@@ -4,53 +4,32 @@ import glob
 import os
 import pathlib
 import shutil
-import signal
 import socket
-import subprocess
 import sys
 import tempfile
 import time
 
-from driver import Driver, Tasks, expect, main, say, until
+from driver import Driver, Tasks, environment, expect, expect_loopback, kill, main, parent, say, there, until
 
 # Ray takes the address of a network for its own unless it believes that no other machine may join.
 LOOPBACK = {"RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER": "0"}
 
 
-def ours(process):
-    """Whether it was started by this judge: all of those have its mark."""
-    try:
-        return f"ENGINE_JUDGE={os.getpid()}\0".encode() in pathlib.Path(f"/proc/{process}/environ").read_bytes() + b"\0"
-    except OSError:
-        return False
-
-
-def processes():
-    """All that were started here and are there."""
-    found = (int(name) for name in os.listdir("/proc") if name.isdigit())
-    return [one for one in found if one != os.getpid() and ours(one)]
-
-
-def listening(process):
-    """The addresses on which processes of these listen, as /proc has them."""
-    inodes = set()
-    for one in process:
-        for link in glob.glob(f"/proc/{one}/fd/*"):
-            try:
-                inodes.add(os.readlink(link))
-            except OSError:
-                pass
+def titled():
+    """Processes that Ray has given a title, which takes the place of their environment."""
     found = set()
-    for name in ("tcp", "tcp6"):
-        for line in pathlib.Path(f"/proc/net/{name}").read_text().splitlines()[1:]:
-            words = line.split()
-            if words[3] == "0A" and f"socket:[{words[9]}]" in inodes:
-                found.add(words[1].rsplit(":", 1)[0])
+    for one in there():
+        try:
+            if pathlib.Path(f"/proc/{one}/cmdline").read_bytes().startswith(b"ray::"):
+                found.add(one)
+        except OSError:
+            pass
     return found
 
 
-# 127.0.0.1, ::ffff:127.0.0.1 and ::1 as /proc writes them.
-LOOPBACK_ADDRESSES = {"0100007F", "0000000000000000FFFF00000100007F", "00000000000000000000000001000000"}
+def processes():
+    """All that were started by this judge and are there: those have its mark, or are Ray's and new."""
+    return [one for one in there() if environment(one).get("ENGINE_JUDGE") == str(os.getpid())] + sorted(titled() - BEFORE["processes"])
 
 
 def on_this_machine(program, folder):
@@ -59,8 +38,7 @@ def on_this_machine(program, folder):
         tasks.add(4 if at < 2 else 0.1, code=3 if at == 4 else 0)
     driver = Driver(program, "ray", tasks)
     until(lambda: len(tasks.noted("begun")) >= 2, 90, "two tasks begin")
-    where = listening(processes())
-    expect(where and where <= LOOPBACK_ADDRESSES, f"it listens on {where}")
+    expect_loopback(processes())
     driver.all_done(60, {"slice-5": 3})
     expect(tasks.noted("ended")["t5"] == 1, "a task that failed was done again")
     nothing_stays("after a cluster of its own")
@@ -72,15 +50,14 @@ def files():
     return {path for pattern in ("/dev/shm/*plasma*", "/tmp/ray", "/tmp/ray-judge-*", tempfile.gettempdir() + "/scenario-runner-ray-*") for path in glob.glob(pattern)}
 
 
-BEFORE = files()
+BEFORE = {"files": files(), "processes": titled()}
 
 
 def nothing_stays(when, seconds=20):
     try:
-        until(lambda: not processes() and files() <= BEFORE, seconds, f"nothing is left {when}")
+        until(lambda: not processes() and files() <= BEFORE["files"], seconds, f"nothing is left {when}")
     except AssertionError as error:
-        names = [pathlib.Path(f"/proc/{one}/cmdline").read_bytes()[:200] for one in processes()]
-        raise AssertionError(f"{error}: {names} {files() - BEFORE}") from None
+        raise AssertionError(f"{error}: processes {processes()}, files {files() - BEFORE['files']}") from None
 
 
 def missing(program, folder):
@@ -136,7 +113,8 @@ def two_workers(program, folder):
         first = cluster.add_node(**node, resources={"av_stack": 1})
         cluster.add_node(**node)
         cluster.wait_for_nodes(timeout=60)
-        say("a cluster of two workers is there")
+        expect_loopback(processes())
+        say("a cluster of two workers is there, on loopback alone")
         address = {"RAY_ADDRESS": cluster.address}
         refused_token(program, folder, address)
         many(program, folder, address)
@@ -214,8 +192,7 @@ def worker_killed(program, folder, address):
     until(lambda: len(tasks.noted("begun")) >= 2, 30, "two tasks begin")
     task = tasks.processes()[0]
     # The task's parent is Ray's worker.
-    worker = int(pathlib.Path(f"/proc/{task}/stat").read_text().rsplit(")", 1)[1].split()[1])
-    os.kill(worker, signal.SIGKILL)
+    kill(parent(task))
     gone = until(lambda: task not in tasks.processes(), 5, "a task goes with its worker")
     driver.all_done(60, {"slice-3": 7})
     begun = tasks.noted("begun")
@@ -250,10 +227,7 @@ def checks(program, folder):
         nothing_stays("at the end")
     finally:
         for one in processes():
-            try:
-                os.kill(one, signal.SIGKILL)
-            except ProcessLookupError:
-                pass
+            kill(one)
 
 
 if __name__ == "__main__":

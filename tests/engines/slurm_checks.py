@@ -5,11 +5,8 @@ import os
 import shutil
 import time
 
-from driver import Driver, Tasks, expect, main, say, until
+from driver import Driver, Tasks, expect, expect_loopback, main, say, until
 from slurm_cluster import Cluster
-
-LOOPBACK = {"0100007F"}
-
 
 def sets_up(cluster):
     """What a driver finds in its environment."""
@@ -165,7 +162,6 @@ def interrupted(program, folder, cluster):
     taken = time.monotonic() - begun
     expect(not [place for place, state in queue(cluster) if state != "CG"], f"in the queue: {queue(cluster)}")
     gone = until(lambda: not tasks.processes() and not queue(cluster), 30, "no task is left after Ctrl-C")
-    expect(not tasks.noted("ended"), "something came to its end")
     say(f"Ctrl-C: no job is left after {taken:.1f} s, and no process {gone:.1f} s later")
 
 
@@ -211,7 +207,7 @@ def checks(program, folder, root):
     silent(program, folder)
     cluster = Cluster(root, os.path.join(folder, "cluster"))
     try:
-        expect(cluster.listening() == LOOPBACK, f"it listens on {cluster.listening()}")
+        expect_loopback([daemon.pid for daemon in cluster.daemons.values()])
         say("a cluster of two nodes is there, on loopback alone")
         refused(program, folder, cluster)
         done(program, folder, cluster)

@@ -1,15 +1,15 @@
 """A cluster of Slurm on this host's loopback: one controller, two nodes, a munge of its own. Everything of it is below one folder."""
 
-import glob
 import os
 import pathlib
 import pwd
 import secrets
-import signal
 import socket
 import subprocess
 import tempfile
 import time
+
+from driver import environment, kill, parent, there
 
 CONFIGURATION = """ClusterName=judge
 SlurmctldHost=localhost(127.0.0.1)
@@ -97,7 +97,7 @@ class Cluster:
 
     def kill_node(self, node):
         """As when the machine is switched off: its daemon and all that it has started."""
-        steps = [one for one in processes() if environment(one).get("SLURMD_NODENAME") == node]
+        steps = [one for one in there() if environment(one).get("SLURMD_NODENAME") == node]
         # A step's own process has no such word; it is what started them.
         parents = {parent(one) for one in steps}
         daemon = self.daemons.pop(node)
@@ -111,23 +111,10 @@ class Cluster:
         said = subprocess.run(command, env=self.environment, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=30, check=False)
         return said.stdout + said.stderr
 
-    def listening(self):
-        """The addresses on which it listens, as /proc has them."""
-        inodes = set()
-        for daemon in self.daemons.values():
-            for link in glob.glob(f"/proc/{daemon.pid}/fd/*"):
-                try:
-                    inodes.add(os.readlink(link))
-                except OSError:
-                    pass
-        lines = pathlib.Path("/proc/net/tcp").read_text().splitlines()[1:] + pathlib.Path("/proc/net/tcp6").read_text().splitlines()[1:]
-        words = (line.split() for line in lines)
-        return {one[1].rsplit(":", 1)[0] for one in words if one[3] == "0A" and f"socket:[{one[9]}]" in inodes}
-
     def left(self):
         """Processes that belong to it and are there."""
         mark = str(self.folder)
-        return [one for one in processes() if environment(one).get("SLURM_CONF", "").startswith(mark)]
+        return [one for one in there() if environment(one).get("SLURM_CONF", "").startswith(mark)]
 
     def stop(self):
         for daemon in self.daemons.values():
@@ -168,29 +155,3 @@ def free_ports(count):
     for one in sockets:
         one.close()
     return ports
-
-
-def processes():
-    return [int(name) for name in os.listdir("/proc") if name.isdigit() and int(name) != os.getpid()]
-
-
-def environment(process):
-    try:
-        text = pathlib.Path(f"/proc/{process}/environ").read_bytes().decode(errors="replace")
-    except OSError:
-        return {}
-    return dict(pair.split("=", 1) for pair in text.split("\0") if "=" in pair)
-
-
-def parent(process):
-    try:
-        return int(pathlib.Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()[1])
-    except OSError:
-        return 0
-
-
-def kill(process):
-    try:
-        os.kill(process, signal.SIGKILL)
-    except ProcessLookupError:
-        pass

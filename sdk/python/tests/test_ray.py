@@ -220,6 +220,19 @@ class Commands(unittest.TestCase):
         with open(note, encoding="utf-8") as file:
             self.assertTrue(gone(int(file.read())))
 
+    def test_what_was_started_by_what_was_started_is_found_and_ended(self):
+        note = os.path.join(self.folder, "note")
+        child = subprocess.Popen(["/bin/sh", "-c", f"sleep 60 & echo $! >{note}.new; mv {note}.new {note}; wait"], start_new_session=True)
+        while not os.path.exists(note):
+            time.sleep(0.05)
+        with open(note, encoding="utf-8") as file:
+            grandchild = int(file.read())
+        found = bridge.descendants(os.getpid())
+        self.assertLess(found.index(child.pid), found.index(grandchild))
+        bridge.kill(found)
+        child.wait()
+        self.assertTrue(gone(grandchild))
+
     def test_a_task_ends_with_its_worker_however_that_ended(self):
         note = os.path.join(self.folder, "note")
         script = f"from scenario_runner_av.ray import do_task; do_task(['/bin/sh', '-c', 'echo $$ >{note}.new; mv {note}.new {note}; sleep 60; true'], {self.out!r})"

@@ -12,6 +12,7 @@ import os
 import queue
 import secrets
 import shutil
+import signal
 import sys
 import tempfile
 import threading
@@ -221,6 +222,31 @@ def converse(ray, tasks, tell):
         work.cancel()
 
 
+def descendants(process):
+    """What a process has started, and what that has, as Linux tells it."""
+    children = {}
+    for name in filter(str.isdigit, os.listdir("/proc")):
+        try:
+            with open(f"/proc/{name}/stat", encoding="utf-8", errors="replace") as file:
+                parent = int(file.read().rsplit(")", 1)[1].split()[1])
+        except OSError:
+            continue
+        children.setdefault(parent, []).append(int(name))
+    found = list(children.get(process, ()))
+    for one in found:
+        found.extend(children.get(one, ()))
+    return found
+
+
+def kill(processes):
+    """Ends those that are there."""
+    for one in processes:
+        try:
+            os.kill(one, signal.SIGKILL)
+        except ProcessLookupError:
+            pass
+
+
 def remove(folder):
     """Removes what Ray has left; its processes may be writing their last."""
     for _ in range(50):
@@ -248,6 +274,8 @@ def main():
         finally:
             # Ray may take minutes to find that nobody is there, and hears no signal meanwhile.
             if not connected.wait(1.0 if os.environ.get("RAY_ADDRESS") else TIME_TO_START):
+                # Ray's agents would notice only after a while that what has started them is gone.
+                kill(descendants(os.getpid()))
                 remove(folder)
                 os._exit(1)
 
