@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 /// The packages and which of them each may know, in the order in which they stand on each other. Cargo keeps the arrows: what is not in
 /// a manifest cannot be imported.
-const PACKAGES: [(&str, &[&str]); 14] = [
+const PACKAGES: [(&str, &[&str]); 15] = [
     ("grammar", &[]),
     ("numbers", &[]),
     ("files", &[]),
@@ -22,6 +22,7 @@ const PACKAGES: [(&str, &[&str]); 14] = [
     ("lang", &["grammar", "files", "scenario"]),
     ("fmu", &["files"]),
     ("under_test", &["files", "scenario", "sim", "fmu"]),
+    ("engines", &["files"]),
     ("runner", &["numbers", "files", "optimise", "scenario", "sim", "under_test", "results", "lang"]),
     ("report", &["numbers", "files", "optimise", "scenario", "sim", "results", "lang"]),
     (
