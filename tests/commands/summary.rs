@@ -124,6 +124,8 @@ fn what_passed_is_counted_and_nothing_else_changes() {
         &["--set", "av.speed=10km/h", "safe"],
         &["--deny", "untested", "few"],
         &["--deny", "untested", "safe"],
+        &["sampled"],
+        &["--record-failures", "sampled"],
         &["--record-failures", "many"],
         &["--prune-failures"],
     ] {
