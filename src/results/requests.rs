@@ -30,6 +30,12 @@ impl Requests {
         }
     }
 
+    /// Those that are among the asked, in the same order.
+    #[must_use]
+    pub fn only(&self, asked: &Self) -> Self {
+        Self(self.0.iter().filter(|known| asked.index(known).is_some()).cloned().collect())
+    }
+
     /// The place of this metric's value in every outcome; `None` if it is not measured.
     pub fn index(&self, reference: &MetricReference) -> Option<usize> {
         self.0.iter().position(|known| known.is_same(reference))

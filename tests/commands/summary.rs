@@ -4,6 +4,10 @@ use std::fs;
 use std::path::Path;
 use std::process::Output;
 
+use numbers::random::Stream;
+use scenario_runner::results::{Overall, Unheard, Verdict};
+use scenario_runner::{Memory, Project, Selection, Session, models, report};
+
 use crate::support::program::{code, scenario_runner, stderr, stdout};
 
 /// Many trials of which some fail, some have other criteria and some none; many that pass; few; two that stand alone; and some whose
@@ -124,6 +128,8 @@ fn what_passed_is_counted_and_nothing_else_changes() {
         &["--set", "av.speed=10km/h", "safe"],
         &["--deny", "untested", "few"],
         &["--deny", "untested", "safe"],
+        &["sampled"],
+        &["--record-failures", "sampled"],
         &["--record-failures", "many"],
         &["--prune-failures"],
     ] {
@@ -143,9 +149,6 @@ fn what_passed_is_counted_and_nothing_else_changes() {
 /// Whoever lets results hold only what did not pass cannot take them for everything.
 #[test]
 fn reports_of_each_trial_refuse_what_is_counted() {
-    use scenario_runner::results::{Overall, Unheard};
-    use scenario_runner::{Memory, Project, Selection, Session, models, report};
-
     let files = Memory::default().with("mixed.suite", SUITE);
     let project = Project::open("mixed.suite", &models::standard(), &files).unwrap();
     let session = Session::new(&project).courses(false).every_trial(false);
@@ -175,4 +178,92 @@ fn suites_with_gates_hold_every_trial() {
     let [whole, counted] = both(folder.path(), &[]);
     assert_eq!(counted, whole);
     assert!(counted.1.contains("calm"), "{}", counted.1);
+}
+
+/// Claims of all kinds about metrics of all families.
+const CLAIMS: [&str; 18] = [
+    "no collision",
+    "impact_speed <= 3 m/s undefined passes",
+    "pet >= 1 s",
+    "pet_area >= 1 s undefined passes",
+    "rate(gap_accepted) >= 50 %",
+    "min(tta_at_entry) >= 1 s",
+    "min_ttc >= 1 s undefined passes in 70 % of runs",
+    "min_distance >= 1 m",
+    "drac <= 5 m/s^2 undefined passes",
+    "max_deceleration <= 2 m/s^2",
+    "rate(sudden_speed_change) <= 20 %",
+    "max_jerk <= 5 m/s^3",
+    "mean(rms_jerk) <= 1 m/s^3",
+    "mean(time_lost) <= 2 s",
+    "travel_time <= 8 s",
+    "max(stopped_time) <= 1 s",
+    "crossing_duration <= 4 s undefined passes",
+    "max_jerk(window: 0.4 s) <= 5 m/s^3",
+];
+
+fn claiming(claims: &str) -> Project {
+    let text = format!(
+        "\
+suite claims {{
+  scenario braking {{
+    road {{ lane_width 3.5 m; speed_limit 50 km/h; crossing zebra }}
+    vehicle av {{ controller yielding; start 40 m before crossing; speed 40 km/h }}
+    pedestrian walker {{ model scripted; start 1 m from kerb; appears at late }}
+    vary late in [0 s, 0.8 s, 1.6 s, 2.4 s, 3.2 s, 6 s]
+    horizon 7 s
+    expect {{ {claims} }}
+  }}
+}}
+"
+    );
+    let files = Memory::default().with("claims.suite", text.as_str());
+    Project::open("claims.suite", &models::standard(), &files)
+        .unwrap_or_else(|error| panic!("{claims}: {error}"))
+}
+
+/// Whatever is claimed, what is said of runs of which nothing else was measured is what is said of those with every metric.
+#[test]
+fn what_is_said_with_fewer_metrics_is_what_is_said_with_all() {
+    let mut stream = Stream::seeded(2);
+    let (mut failed, mut passed) = (0, 0);
+    for round in 0..60 {
+        let mut some = vec![CLAIMS[round % CLAIMS.len()]];
+        // Each alone first: then nothing is measured that another asks for.
+        let others = if round < CLAIMS.len() { 0 } else { stream.index(3) };
+        some.extend((0..others).map(|_| CLAIMS[stream.index(CLAIMS.len())]));
+        some.dedup();
+        let project = claiming(&some.join("; "));
+        let session = |every: bool| {
+            let session = Session::new(&project).courses(false).every_trial(every);
+            session.run(&Selection::all(), &mut Unheard).unwrap()
+        };
+        let (mut whole, mut asked) = (session(true), session(false));
+        let most = asked.requests.iter().count();
+        assert!((1..=some.len()).contains(&most), "{some:?}: {most} metrics");
+        let places: Vec<usize> =
+            asked.requests.iter().map(|one| whole.requests.index(one).unwrap()).collect();
+        assert!(places.is_sorted(), "the order of columns is another");
+        let (whole, asked) = (whole.suites.remove(0), asked.suites.remove(0));
+        assert_eq!(asked.trials.len(), whole.trials.len());
+        for (few, all) in asked.trials.iter().zip(&whole.trials) {
+            assert_eq!(few.state, all.state, "{some:?}");
+            for (few, all) in few.outcomes.iter().zip(&all.outcomes) {
+                for (index, place) in places.iter().enumerate() {
+                    let bits = |value: &Option<f64>| value.map(f64::to_bits);
+                    assert_eq!(bits(&few.metrics[index]), bits(&all.metrics[*place]), "{some:?}");
+                    assert_eq!(few.critical.get(index), all.critical.get(*place), "{some:?}");
+                    assert_eq!(few.open(index), all.open(*place), "{some:?}");
+                }
+                assert_eq!((few.fingerprint, few.ending), (all.fingerprint, all.ending));
+                assert_eq!(few.hides_meetings(), all.hides_meetings());
+            }
+            match few.verdict() {
+                Some(Verdict::Failed) => failed += 1,
+                Some(Verdict::Passed) => passed += 1,
+                _ => {}
+            }
+        }
+    }
+    assert!(failed > 20 && passed > 20, "{failed} failed, {passed} passed");
 }

@@ -1,11 +1,8 @@
 //! How hard the vehicle brakes: largest deceleration over a sliding window, and sudden changes of speed.
 
-use super::sliding::Sliding;
 use scenario::{Absence, Metric, MetricKind, MetricRange, Scope, Worst};
 use scenario::{Declaration, Dimension, Parameter};
-use sim::Step;
-use sim::measure::lerp;
-use sim::measure::{Encounters, InStep, Meter, MetricContext, meters};
+use sim::measure::{Encounters, FollowedDrop, InStep, Meter, MetricContext, meters};
 
 fn window() -> Parameter {
     Parameter::number(
@@ -49,27 +46,28 @@ pub fn max_deceleration() -> Metric {
         worst: Worst::Largest,
         absence: Absence::Open,
         range: MetricRange::DropWithin { window: "window".into(), floor: "standstill".into() },
-        meters: meters(|context| Box::new(MaxDeceleration(Deceleration::new(context)))),
+        meters: meters(|context| Box::new(MaxDeceleration(speed_drop(context)))),
     }
 }
 
-struct MaxDeceleration(Deceleration);
+fn speed_drop(context: &MetricContext) -> FollowedDrop {
+    let of = (context.settings.number("window"), context.settings.number("standstill"));
+    context.followed.borrow_mut().speed_drop(context.vehicle, of, context.world.step)
+}
+
+struct MaxDeceleration(FollowedDrop);
 
 impl Meter for MaxDeceleration {
-    fn observe(&mut self, step: &Step, _: &Encounters) {
-        self.0.observe(step);
+    fn value(&self, encounters: &Encounters) -> Option<f64> {
+        encounters.speed_drop(self.0).largest()
     }
 
-    fn value(&self, _: &Encounters) -> Option<f64> {
-        self.0.largest()
+    fn instant(&self, encounters: &Encounters) -> Option<f64> {
+        encounters.speed_drop(self.0).instant
     }
 
-    fn instant(&self, _: &Encounters) -> Option<f64> {
-        self.0.instant
-    }
-
-    fn in_step(&self, _: &Encounters) -> InStep {
-        self.0.rate(self.0.latest_drop).into()
+    fn in_step(&self, encounters: &Encounters) -> InStep {
+        encounters.speed_drop(self.0).latest().into()
     }
 }
 
@@ -102,98 +100,23 @@ pub fn sudden_speed_change() -> Metric {
         },
         meters: meters(|context| {
             let threshold = context.settings.number("threshold");
-            Box::new(SuddenSpeedChange { threshold, deceleration: Deceleration::new(context) })
+            Box::new(SuddenSpeedChange { threshold, drop: speed_drop(context) })
         }),
     }
 }
 
 struct SuddenSpeedChange {
     threshold: f64,
-    deceleration: Deceleration,
+    drop: FollowedDrop,
 }
 
 impl Meter for SuddenSpeedChange {
-    fn observe(&mut self, step: &Step, _: &Encounters) {
-        self.deceleration.observe(step);
+    fn value(&self, encounters: &Encounters) -> Option<f64> {
+        let largest = encounters.speed_drop(self.drop).largest();
+        largest.map(|largest| f64::from(largest > self.threshold))
     }
 
-    fn value(&self, _: &Encounters) -> Option<f64> {
-        self.deceleration.largest().map(|largest| f64::from(largest > self.threshold))
-    }
-
-    fn instant(&self, _: &Encounters) -> Option<f64> {
-        self.deceleration.instant
-    }
-}
-
-struct Deceleration {
-    vehicle: usize,
-    window: f64,
-    standstill: f64,
-    speeds: Sliding<1>,
-    /// m/s over one window; `None` before the first step.
-    largest_drop: Option<f64>,
-    /// The same in the last step.
-    latest_drop: Option<f64>,
-    /// At the end of the window in which that was, s; `None` if the vehicle never slowed down.
-    instant: Option<f64>,
-}
-
-impl Deceleration {
-    fn new(context: &MetricContext) -> Self {
-        let window = context.settings.number("window");
-        Self {
-            vehicle: context.vehicle,
-            window,
-            standstill: context.settings.number("standstill"),
-            speeds: Sliding::new([window], context.world.step),
-            largest_drop: None,
-            latest_drop: None,
-            instant: None,
-        }
-    }
-
-    fn observe(&mut self, step: &Step) {
-        let from = (step.time, step.before.vehicles[self.vehicle].motion.speed);
-        let to = (step.time + step.duration, step.after.vehicles[self.vehicle].motion.speed);
-        // Speeds below standstill count as standstill, which bends the signal where it gets there.
-        let floor = self.standstill;
-        let counted = |(time, speed): (f64, f64)| (time, speed.max(floor));
-        self.latest_drop = None;
-        if (from.1 - floor) * (to.1 - floor) < 0.0 {
-            let part = (floor - from.1) / (to.1 - from.1);
-            let bend = (lerp(from.0, to.0, part), floor);
-            self.go(counted(from), bend);
-            self.go(bend, counted(to));
-        } else {
-            self.go(counted(from), counted(to));
-        }
-    }
-
-    fn go(&mut self, from: (f64, f64), to: (f64, f64)) {
-        let mut largest = self.largest_drop.unwrap_or(0.0);
-        let mut latest = self.latest_drop.unwrap_or(0.0);
-        let instant = &mut self.instant;
-        self.speeds.advance(from, to, |time, speed, [earlier]| {
-            let drop = earlier - speed;
-            // What is larger by rounding only is no later extreme.
-            if drop > largest + 1e-9 {
-                *instant = Some(time);
-            }
-            largest = largest.max(drop);
-            latest = latest.max(drop);
-        });
-        self.largest_drop = Some(largest);
-        self.latest_drop = Some(latest);
-    }
-
-    /// m/s²
-    fn largest(&self) -> Option<f64> {
-        self.rate(self.largest_drop)
-    }
-
-    /// A drop (m/s) over the window, m/s².
-    fn rate(&self, drop: Option<f64>) -> Option<f64> {
-        drop.map(|drop| (drop / self.window * 1e9).round() / 1e9)
+    fn instant(&self, encounters: &Encounters) -> Option<f64> {
+        encounters.speed_drop(self.drop).instant
     }
 }

@@ -1,10 +1,8 @@
 //! How smoothly the vehicle drives: largest and root mean square jerk.
 
-use super::sliding::Sliding;
 use scenario::{Absence, Metric, MetricKind, MetricRange, Scope, Worst};
 use scenario::{Declaration, Dimension, Parameter};
-use sim::Step;
-use sim::measure::{Encounters, InStep, Meter, MetricContext, meters};
+use sim::measure::{Encounters, FollowedJerk, InStep, Meter, MetricContext, meters};
 
 fn window() -> Parameter {
     Parameter::number(
@@ -35,27 +33,31 @@ pub fn max_jerk() -> Metric {
         worst: Worst::Largest,
         absence: Absence::Open,
         range: MetricRange::NotNegative,
-        meters: meters(|context| Box::new(MaxJerk(Jerk::new(context)))),
+        meters: meters(|context| Box::new(MaxJerk(jerk(context)))),
     }
 }
 
-struct MaxJerk(Jerk);
+fn jerk(context: &MetricContext) -> FollowedJerk {
+    let window = context.settings.number("window");
+    context.followed.borrow_mut().jerk(context.vehicle, window, context.world.step)
+}
+
+struct MaxJerk(FollowedJerk);
 
 impl Meter for MaxJerk {
-    fn observe(&mut self, step: &Step, _: &Encounters) {
-        self.0.observe(step);
+    fn value(&self, encounters: &Encounters) -> Option<f64> {
+        let jerk = encounters.jerk(self.0);
+        jerk.is_known().then_some(jerk.largest)
     }
 
-    fn value(&self, _: &Encounters) -> Option<f64> {
-        (self.0.duration > 0.0).then_some(self.0.largest)
+    fn instant(&self, encounters: &Encounters) -> Option<f64> {
+        let jerk = encounters.jerk(self.0);
+        (jerk.largest > 0.0).then_some(jerk.instant)
     }
 
-    fn instant(&self, _: &Encounters) -> Option<f64> {
-        (self.0.largest > 0.0).then_some(self.0.instant)
-    }
-
-    fn in_step(&self, _: &Encounters) -> InStep {
-        (self.0.duration > 0.0).then_some(self.0.latest).into()
+    fn in_step(&self, encounters: &Encounters) -> InStep {
+        let jerk = encounters.jerk(self.0);
+        jerk.is_known().then_some(jerk.latest).into()
     }
 }
 
@@ -74,71 +76,15 @@ pub fn rms_jerk() -> Metric {
         worst: Worst::Largest,
         absence: Absence::Open,
         range: MetricRange::NotNegative,
-        meters: meters(|context| Box::new(RmsJerk(Jerk::new(context)))),
+        meters: meters(|context| Box::new(RmsJerk(jerk(context)))),
     }
 }
 
-struct RmsJerk(Jerk);
+struct RmsJerk(FollowedJerk);
 
 impl Meter for RmsJerk {
-    fn observe(&mut self, step: &Step, _: &Encounters) {
-        self.0.observe(step);
-    }
-
-    fn value(&self, _: &Encounters) -> Option<f64> {
-        (self.0.duration > 0.0).then(|| (self.0.square_integral / self.0.duration).sqrt())
-    }
-}
-
-struct Jerk {
-    vehicle: usize,
-    window: f64,
-    speeds: Sliding<2>,
-    /// m/s³
-    last: f64,
-    largest: f64,
-    /// When that was, s.
-    instant: f64,
-    /// The same in the last step, m/s³.
-    latest: f64,
-    /// Of the jerk's square over time, m²/s⁵.
-    square_integral: f64,
-    /// s
-    duration: f64,
-}
-
-impl Jerk {
-    fn new(context: &MetricContext) -> Self {
-        let window = context.settings.number("window");
-        Self {
-            vehicle: context.vehicle,
-            window,
-            speeds: Sliding::new([window, 2.0 * window], context.world.step),
-            last: 0.0,
-            largest: 0.0,
-            latest: 0.0,
-            instant: 0.0,
-            square_integral: 0.0,
-            duration: 0.0,
-        }
-    }
-
-    fn observe(&mut self, step: &Step) {
-        let from = (step.time, step.before.vehicles[self.vehicle].motion.speed);
-        let to = (step.time + step.duration, step.after.vehicles[self.vehicle].motion.speed);
-        let Self { window, speeds, last, largest, instant, latest, square_integral, .. } = self;
-        *latest = 0.0;
-        let mut since = from.0;
-        speeds.advance(from, to, |time, speed, [earlier, earliest]| {
-            let jerk = (speed - 2.0 * earlier + earliest) / (*window * *window);
-            *latest = latest.max(jerk.abs());
-            if jerk.abs() > *largest {
-                (*largest, *instant) = (jerk.abs(), time);
-            }
-            // The square of a straight line, integrated.
-            *square_integral += (time - since) * (*last * *last + *last * jerk + jerk * jerk) / 3.0;
-            (since, *last) = (time, jerk);
-        });
-        self.duration += step.duration;
+    fn value(&self, encounters: &Encounters) -> Option<f64> {
+        let jerk = encounters.jerk(self.0);
+        jerk.is_known().then(|| jerk.root_mean_square())
     }
 }

@@ -18,7 +18,6 @@ mod lateral;
 mod people;
 mod proximity;
 mod signal;
-mod sliding;
 #[cfg(test)]
 mod tests;
 mod travel;

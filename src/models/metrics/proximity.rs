@@ -25,7 +25,7 @@ impl Prediction {
             Self::Straight if !car.keeps_straight() => {
                 first_contact(car, person, person.velocity - car.velocity())
             }
-            _ => encounter.time_to_collision,
+            _ => encounter.time_to_collision(),
         }
     }
 }
@@ -64,6 +64,7 @@ pub fn min_ttc() -> Metric {
         absence: Absence::Good,
         range: MetricRange::NotNegative,
         meters: meters(|context| {
+            context.look_ahead();
             Box::new(MinTtc {
                 pair: (context.vehicle, context.pedestrian),
                 prediction: Prediction::of(context.settings),
@@ -175,6 +176,7 @@ struct Drac {
 
 impl Drac {
     fn new(context: &MetricContext) -> Self {
+        context.look_ahead();
         Self {
             pair: (context.vehicle, context.pedestrian),
             ceiling: context.settings.number("ceiling"),

@@ -9,7 +9,7 @@ use crate::run::{Executor, FirstRuns, MeasuredMetrics, Stop, VerifyRuns};
 use files::{Disk, Files};
 use results::Requests;
 use scenario::registry::Registry;
-use scenario::{Scenario, Suite};
+use scenario::{MetricReference, Scenario, Suite};
 
 /// What every experiment of a suite shares.
 pub struct Context<'a> {
@@ -32,31 +32,10 @@ pub struct Context<'a> {
 }
 
 impl<'a> Context<'a> {
-    /// With every metric that anything in the suite asks for.
+    /// With every metric that has a default, and whatever else anything in the suite asks for.
     pub fn new(suite: &'a Suite, executor: &'a dyn Executor, registry: &Registry) -> Self {
         let mut requests = Requests::defaults(registry);
-        suite.scenarios.iter().for_each(|scenario| requests.include(&scenario.criteria));
-        for search in &suite.searches {
-            requests.add(search.objective.aggregate.metric());
-            search.kept_metrics().for_each(|(keep, _)| requests.add(&keep.metric));
-        }
-        for tune in &suite.tunes {
-            tune.objectives.iter().for_each(|objective| requests.add(objective.aggregate.metric()));
-            tune.constraints.iter().for_each(|constraint| requests.add(&constraint.metric));
-        }
-        for evaluate in &suite.evaluates {
-            evaluate.measures.iter().for_each(|measure| requests.add(measure.aggregate.metric()));
-        }
-        for estimate in &suite.estimates {
-            [&estimate.event.metric].into_iter().chain(&estimate.score).for_each(|one| requests.add(one));
-        }
-        suite.calibrates.iter().for_each(|calibrate| requests.add(&calibrate.condition.metric));
-        for statement in &suite.statements {
-            measured(statement).iter().for_each(|one| requests.add(one.aggregate.metric()));
-        }
-        let rules = suite.gates.iter().flat_map(|gate| &gate.rules);
-        rules.filter_map(|rule| rule.metric.as_ref()).for_each(|metric| requests.add(metric));
-        suite.ratings.iter().for_each(|rating| requests.add(&rating.measure));
+        asked_by(suite).iter().for_each(|metric| requests.add(metric));
         Self {
             suite,
             measured: MeasuredMetrics::new(requests),
@@ -65,6 +44,22 @@ impl<'a> Context<'a> {
             journals: None,
             stop: Stop::default(),
             first_runs: FirstRuns::new(VerifyRuns::None),
+            notices: Mutex::default(),
+        }
+    }
+
+    /// The same for runs of which nobody looks at any other metric than these; what there is to tell is told to the whole.
+    pub(super) fn reading_only<'m>(&self, metrics: impl IntoIterator<Item = &'m MetricReference>) -> Self {
+        let mut asked = Requests::default();
+        metrics.into_iter().for_each(|metric| asked.add(metric));
+        Self {
+            suite: self.suite,
+            measured: self.measured.only(&asked),
+            executor: self.executor,
+            files: self.files.clone(),
+            journals: self.journals.clone(),
+            stop: self.stop.clone(),
+            first_runs: self.first_runs.clone(),
             notices: Mutex::default(),
         }
     }
@@ -87,6 +82,34 @@ impl<'a> Context<'a> {
             .find(|scenario| scenario.name == name)
             .ok_or_else(|| ExperimentError::UnknownScenario(name.to_string()))
     }
+}
+
+/// Every metric that anything in the suite asks for.
+pub fn asked_by(suite: &Suite) -> Requests {
+    let mut requests = Requests::default();
+    suite.scenarios.iter().for_each(|scenario| requests.include(&scenario.criteria));
+    for search in &suite.searches {
+        requests.add(search.objective.aggregate.metric());
+        search.kept_metrics().for_each(|(keep, _)| requests.add(&keep.metric));
+    }
+    for tune in &suite.tunes {
+        tune.objectives.iter().for_each(|objective| requests.add(objective.aggregate.metric()));
+        tune.constraints.iter().for_each(|constraint| requests.add(&constraint.metric));
+    }
+    for evaluate in &suite.evaluates {
+        evaluate.measures.iter().for_each(|measure| requests.add(measure.aggregate.metric()));
+    }
+    for estimate in &suite.estimates {
+        [&estimate.event.metric].into_iter().chain(&estimate.score).for_each(|one| requests.add(one));
+    }
+    suite.calibrates.iter().for_each(|calibrate| requests.add(&calibrate.condition.metric));
+    for statement in &suite.statements {
+        measured(statement).iter().for_each(|one| requests.add(one.aggregate.metric()));
+    }
+    let rules = suite.gates.iter().flat_map(|gate| &gate.rules);
+    rules.filter_map(|rule| rule.metric.as_ref()).for_each(|metric| requests.add(metric));
+    suite.ratings.iter().for_each(|rating| requests.add(&rating.measure));
+    requests
 }
 
 /// Told while an experiment runs, from several threads.

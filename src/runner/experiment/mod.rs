@@ -31,7 +31,7 @@ mod tune;
 
 pub use block::run_block;
 pub use cases::CaseFile;
-pub use context::{BlockProgress, Context, Silent};
+pub use context::{BlockProgress, Context, Silent, asked_by};
 pub use earlier::EarlierResults;
 pub use error::ExperimentError;
 pub use needs::{Need, needs};

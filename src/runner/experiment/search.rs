@@ -57,6 +57,7 @@ pub fn run_search(
         encounters: PlausibleEncounters::of(search, &searched.scenario, together)?,
         searched,
         progress,
+        evaluating: context.reading_only([search.objective.aggregate.metric()]),
         done: AtomicUsize::new(0),
         all: groups.len() * search.budget.evaluations as usize,
     };
@@ -65,7 +66,7 @@ pub fn run_search(
         let begin = |group: &SearchedPeople| under.begin(group);
         let mut all =
             context.executor.think(|| groups.par_iter().map(begin).collect::<Result<Vec<_>, _>>())?;
-        optimise(context, &mut all, &Groups { under: &under, groups })?;
+        optimise(&under.evaluating, &mut all, &Groups { under: &under, groups })?;
         found.extend(under.conclude(groups, &all)?);
         over.extend(all.into_iter().map(Optimisation::into_record));
     }
@@ -129,6 +130,8 @@ const PENALTY: f64 = 1000.0;
 /// One search under way.
 struct Under<'a> {
     context: &'a Context<'a>,
+    /// For the evaluations, of which nothing but the objective is kept: best points are run again.
+    evaluating: Context<'a>,
     search: &'a Search,
     searched: Searched<'a>,
     /// `None` where nothing says how usual any encounter is.
@@ -156,7 +159,7 @@ impl EvaluateRound for Groups<'_> {
     }
 
     fn evaluation(&self, cases: &[Case], outcomes: &[Outcome], _: bool) -> Evaluation {
-        let (value, noise_variance) = self.under.objective(outcomes);
+        let (value, noise_variance) = self.under.objective(&self.under.evaluating, outcomes);
         Evaluation {
             objectives: vec![ObjectiveValue { value, noise_variance }],
             margins: self.under.margins(cases),
@@ -218,7 +221,7 @@ impl Under<'_> {
             found.plausibility = self.plausibility(again).map(|one| one.share);
             found.runs = self.saved(&best.point, again, runs);
             found.kept = found.runs.iter().map(|run| self.keeps(run)).collect();
-            found.fresh = self.objective(&fresh).0;
+            found.fresh = self.objective(context, &fresh).0;
             let decided = context.seen(self.search.objective.aggregate.metric(), &fresh);
             found.fresh_runs = decided.iter().filter(|one| one.is_value()).count() as u32;
         }
@@ -265,9 +268,9 @@ impl Under<'_> {
         found
     }
 
-    fn objective(&self, outcomes: &[Outcome]) -> (Option<f64>, Option<f64>) {
+    fn objective(&self, context: &Context, outcomes: &[Outcome]) -> (Option<f64>, Option<f64>) {
         let Objective { aggregate, direction, .. } = &self.search.objective;
-        self.context.objective(aggregate, *direction, outcomes)
+        context.objective(aggregate, *direction, outcomes)
     }
 
     /// Whether a run at the best point is all that the search was to keep; without a condition all are.
@@ -418,7 +421,7 @@ impl Under<'_> {
         let mut outcomes = self.context.run_all(1, &fresh.concat())?.into_iter();
         for (one, cases) in usual.front.iter_mut().zip(&fresh) {
             let outcomes: Vec<Outcome> = outcomes.by_ref().take(cases.len()).collect();
-            one.fresh = self.objective(&outcomes).0;
+            one.fresh = self.objective(self.context, &outcomes).0;
             let decided = self.context.seen(self.search.objective.aggregate.metric(), &outcomes);
             one.fresh_runs = decided.iter().filter(|one| one.is_value()).count() as u32;
         }

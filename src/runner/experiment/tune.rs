@@ -31,13 +31,18 @@ pub fn run_tune(
     progress: &dyn BlockProgress,
 ) -> Result<TuneResult, ExperimentError> {
     let cases = context.case_set(&tune.on, &tune.name, results)?;
-    let under = Under { context, tune, cases, progress, done: AtomicUsize::new(0) };
+    let looked_at = tune.objectives.iter().map(|objective| objective.aggregate.metric());
+    let constrained = tune.constraints.iter().map(|constraint| &constraint.metric);
+    let evaluating = context.reading_only(looked_at.chain(constrained));
+    let under = Under { context, evaluating, tune, cases, progress, done: AtomicUsize::new(0) };
     under.run()
 }
 
 /// One tune under way.
 struct Under<'a> {
     context: &'a Context<'a>,
+    /// For the evaluations, of which nothing but objectives and constraints is kept: what is shown is run again.
+    evaluating: Context<'a>,
     tune: &'a Tune,
     cases: Vec<SavedCase>,
     progress: &'a dyn BlockProgress,
@@ -66,13 +71,13 @@ impl EvaluateRound for Under<'_> {
     fn evaluation(&self, _: &[Case], outcomes: &[Outcome], abandoned: bool) -> Evaluation {
         let objective = |objective: &Objective| {
             let (value, noise_variance) =
-                self.context.objective(&objective.aggregate, objective.direction, outcomes);
+                self.evaluating.objective(&objective.aggregate, objective.direction, outcomes);
             // Of a part of the set an objective says nothing.
             let value = value.filter(|_| !abandoned);
             ObjectiveValue { value, noise_variance: noise_variance.filter(|_| value.is_some()) }
         };
         let margin =
-            |constraint| Margin { value: self.context.margin(constraint, outcomes), censored: abandoned };
+            |constraint| Margin { value: self.evaluating.margin(constraint, outcomes), censored: abandoned };
         Evaluation {
             objectives: self.tune.objectives.iter().map(objective).collect(),
             margins: self.tune.constraints.iter().map(margin).collect(),
@@ -99,7 +104,7 @@ impl Under<'_> {
         let inputs = (suite.seed, &suite.scenarios, &suite.supporting, tune, &self.cases);
         let optimisation = Optimisation::begin(self.context, &name, &inputs, definition, batch)?;
         let mut only = [optimisation];
-        optimise(self.context, &mut only, self)?;
+        optimise(&self.evaluating, &mut only, self)?;
         let result = self.conclude(&only[0].optimiser)?;
         let [optimisation] = only;
         optimisation.into_record().remove();
@@ -107,7 +112,7 @@ impl Under<'_> {
     }
 
     fn violated(&self, outcomes: &[Outcome]) -> bool {
-        let margin = |constraint| self.context.margin(constraint, outcomes);
+        let margin = |constraint| self.evaluating.margin(constraint, outcomes);
         self.tune.constraints.iter().any(|one| margin(one).is_none_or(|margin| margin < 0.0))
     }
 
@@ -127,7 +132,7 @@ impl Under<'_> {
         let mut fewest: Option<(&optimise::EvaluatedPoint, Violations)> = None;
         for trial in optimiser.trials() {
             let settings = overrides::settings(&self.tune.over, &trial.point);
-            let outcomes = self.context.run_all(1, &self.runs_with(&settings, false)?)?;
+            let outcomes = self.evaluating.run_all(1, &self.runs_with(&settings, false)?)?;
             let runs = outcomes.iter().filter(|outcome| self.violated(std::slice::from_ref(outcome))).count();
             let is_less = |(best, least): &(&optimise::EvaluatedPoint, Violations)| {
                 runs.cmp(&least.runs).then(worth(trial).total_cmp(&worth(best))).is_lt()

@@ -20,13 +20,18 @@ pub struct MeasuredMetrics {
     pub requests: Requests,
     /// Worked out again wherever they are not known: they only save time, and are not written down.
     #[serde(skip)]
-    pub free_flows: FreeFlows,
+    pub free_flows: Arc<FreeFlows>,
 }
 
 impl MeasuredMetrics {
     /// Of metrics of which nothing is known in free flow.
     pub fn new(requests: Requests) -> Arc<Self> {
-        Arc::new(Self { requests, free_flows: FreeFlows::default() })
+        Arc::new(Self { requests, free_flows: Arc::default() })
+    }
+
+    /// Of those that are among the asked, with the same free flows.
+    pub fn only(&self, asked: &Requests) -> Arc<Self> {
+        Arc::new(Self { requests: self.requests.only(asked), free_flows: self.free_flows.clone() })
     }
 }
 

@@ -12,7 +12,7 @@ use super::ratings::judge_ratings;
 use super::selection::Selection;
 use super::shared::{RunWatch, Runner};
 use super::tested_programs::{note_uses, verify};
-use super::unit::{Units, units};
+use super::unit::{UnitKind, Units, units};
 use crate::project::Project;
 use crate::run::{Executor, Remembered, Stop, Threads, VerifyRuns};
 use results::{Reporter, Results, TriedSeed};
@@ -114,7 +114,8 @@ impl<'a> Session<'a> {
 
     /// Whether the results hold every trial. They do unless this says no: then they hold what did not pass, and the rest [in
     /// numbers](results::SuiteSummary), which needs little memory for millions of runs. The terminal's report says the same,
-    /// reports of each trial refuse to be made. Courses of runs, ratings and gates need every trial and get it.
+    /// reports of each trial refuse to be made. Courses of runs, ratings and gates need every trial and get it. Where trials alone are run
+    /// and each is judged, no metric is measured then that nothing in the project asks for.
     pub fn every_trial(self, every: bool) -> Self {
         Self { every_trial: every, ..self }
     }
@@ -177,6 +178,9 @@ impl<'a> Session<'a> {
             .reading(self.project.files())
             .stopped_by(&self.stop)
             .after_seeds(self.earlier_seeds.clone());
+        if self.shows_asked_metrics_only(units, &chosen) {
+            runner = runner.measuring_what_is_asked();
+        }
         if let Some(folder) = &self.journals {
             runner = runner.journals(folder.clone());
         }
@@ -210,6 +214,23 @@ impl<'a> Session<'a> {
             }
         }
         Ok(results)
+    }
+
+    /// Whether nobody can see a metric that nothing in the suites asks for: no more is said of any run than the terminal's report says of
+    /// trials, blocks and gates look at none, and every table has criteria for its columns.
+    fn shows_asked_metrics_only(&self, units: &Units, chosen: &[bool]) -> bool {
+        if self.every_trial || self.courses || self.watch.is_some() {
+            return false;
+        }
+        let mut suites = self.project.suites().iter().map(|one| &one.suite);
+        let is_judged_by_itself = |unit: usize| match units.kind(unit) {
+            UnitKind::Trial { scenario, .. } => {
+                scenario.scenario().criteria.iter().any(|one| one.when.is_empty())
+            }
+            UnitKind::Recorded | UnitKind::Block(_) => false,
+        };
+        suites.all(|suite| suite.gates.is_empty() && suite.ratings.is_empty())
+            && (0..units.len()).filter(|unit| chosen[*unit]).all(is_judged_by_itself)
     }
 
     /// What there is to tell besides the results, such as that the end of a journal was cut off.

@@ -6,7 +6,7 @@ use std::sync::{Arc, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::unit::{Unit, Work};
-use crate::experiment::{BlockProgress, Context, EarlierResults, ExperimentError, run_block};
+use crate::experiment::{BlockProgress, Context, EarlierResults, ExperimentError, asked_by, run_block};
 use crate::plan::PlannedTrial;
 use crate::project::PlannedSuite;
 use crate::run::{
@@ -31,7 +31,7 @@ pub struct Runner<'a> {
     executor: &'a dyn Executor,
     /// What blocks share, one per suite.
     contexts: Vec<Context<'a>>,
-    /// Every metric that anything in any of the suites asks for: all runs are measured alike.
+    /// Every metric that has a default, or that anything in any of the suites asks for: all runs are measured alike.
     measured: Arc<MeasuredMetrics>,
     registry: Registry,
     files: Arc<dyn Files>,
@@ -64,6 +64,17 @@ impl<'a> Runner<'a> {
             watch: None,
             earlier_seeds: Vec::new(),
         }
+    }
+
+    /// With no other metrics than those that something in the suites asks for.
+    pub fn measuring_what_is_asked(mut self) -> Self {
+        let mut asked = Requests::default();
+        for suite in self.suites {
+            asked_by(&suite.suite).iter().for_each(|metric| asked.add(metric));
+        }
+        self.measured = self.measured.only(&asked);
+        self.contexts.iter_mut().for_each(|context| context.measured = self.measured.clone());
+        self
     }
 
     /// With a folder where searches and tunes keep what they have evaluated.

@@ -203,6 +203,7 @@ suite mixed {
                 };
                 assert_eq!(trial.trial, whole.trials[place].trial);
                 assert_eq!(bits(trial), bits(&whole.trials[place]));
+                assert_eq!(trial.state, whole.trials[place].state);
             }
             for (place, trial) in whole.trials.iter().enumerate() {
                 let is_held = summary.held.contains(&place);
@@ -214,5 +215,26 @@ suite mixed {
         let all = report(&project, false, &Selection::all());
         let many = &all.summary().scenarios[0];
         assert!(many.passed.len() > 10 && many.has_not_passed(), "the suite has both: {many:?}");
+    }
+
+    /// Where anybody looks at another metric, all are measured.
+    #[test]
+    fn all_metrics_are_measured_where_somebody_may_look_at_them() {
+        let count = |text: &str, whole: bool| {
+            let files = Memory::default().with("claims.suite", text);
+            let project = Project::open("claims.suite", &standard(), &files).unwrap();
+            let session = Session::new(&project).executor(Threads::new(1)).courses(false).every_trial(whole);
+            session.run(&Selection::all(), &mut Unheard).unwrap().requests.iter().count()
+        };
+        let text = SUITE.replace("no collision when late >= 2 s; pet >= 1 s when late <= 1 s; ", "");
+        assert_eq!(count(&text, false), 2);
+        assert!(count(&text, true) > 20);
+        // Tables of trials that nothing is claimed of have columns all the same.
+        let conditional =
+            text.replace("max_deceleration <= 9 m/s^2", "max_deceleration <= 9 m/s^2 when late >= 1 s");
+        assert!(count(&conditional, false) > 20);
+        let block = text.trim_end().strip_suffix('}').unwrap().to_string()
+            + "  statement slow { claim max(max_deceleration) of few <= 9 m/s^2 }\n}\n";
+        assert!(count(&block, false) > 20);
     }
 }

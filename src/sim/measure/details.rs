@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use super::InStep;
 use super::encounter::Encounters;
+use super::followed::Followed;
 use super::measurement::Measurement;
 use super::passage::Reached;
 use crate::geometry::first_contact;
@@ -124,8 +125,10 @@ impl RecordedDetails {
         let pair = |(vehicle, pedestrian)| PairDetails { vehicle, pedestrian, ..PairDetails::default() };
         let pairs = (0..world.vehicles.len()).flat_map(|car| (0..people).map(move |person| (car, person)));
         let pairs: Vec<PairDetails> = pairs.map(pair).collect();
+        let mut followed = Followed::default();
+        followed.look_ahead();
         Self {
-            encounters: Encounters::new(world),
+            encounters: Encounters::new(world, followed),
             half_lengths: world.vehicles.iter().map(|car| car.length / 2.0).collect(),
             bends: vec![false; pairs.len()],
             measurement: Measurement::new(world, requests, &[], &[]),
@@ -175,7 +178,7 @@ impl Observer for RecordedDetails {
                 (&step.after.vehicles[pair.vehicle], &step.after.pedestrians[pair.pedestrian]);
             // Who is not there yet is on no course.
             let is_there = step.before.pedestrians[pair.pedestrian].present;
-            let known = self.encounters.pair(pair.vehicle, pair.pedestrian).time_to_collision;
+            let known = self.encounters.pair(pair.vehicle, pair.pedestrian).time_to_collision();
             let along = known.filter(|_| is_there);
             *bends |= !car.keeps_straight();
             let straight = match is_there && !car.keeps_straight() {

@@ -4,7 +4,10 @@ use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
 use super::events::{Passing, Visit, half_extent, lerp, rising};
+use super::followed::{Followed, FollowedDrop, FollowedJerk};
+use super::jerk::Jerk;
 use super::passage::Passage;
+use super::speed_drop::SpeedDrop;
 use super::steered_pair::{SteeredWay, WalkedWay};
 use crate::clear_ahead::ContactAhead;
 use crate::geometry::Footprint;
@@ -28,6 +31,7 @@ pub struct Encounters {
     walked: Vec<WalkedWay>,
     /// Touches of a vehicle and another or a box, in order.
     others: Vec<(usize, Solid, Contact)>,
+    followed: Followed,
 }
 
 /// What a pedestrian did at all in a run.
@@ -72,10 +76,8 @@ pub struct Encounter {
     last_entry: Option<f64>,
     /// The crossing of the lane that was carried through.
     pub crossing: Option<LaneCrossing>,
-    /// Time to collision of the footprints if both kept their velocities from the end of the step on, s; `None` if
-    /// they are not on a collision course.
-    pub time_to_collision: Option<f64>,
-    ahead: ContactAhead,
+    /// `None` where nobody asks.
+    ahead: Option<Ahead>,
     /// Where the pedestrian lies, seen from the vehicle's path, at the beginning and at the end of the last step in which they were
     /// there.
     pub places: Option<(Located, Located)>,
@@ -83,6 +85,14 @@ pub struct Encounter {
     pub strip: (f64, f64),
     /// As [`Presence::met`], but for contact.
     near: bool,
+}
+
+/// How long it takes two to touch who go on as they do.
+#[derive(Debug, Clone)]
+struct Ahead {
+    contact: ContactAhead,
+    /// s
+    time: Option<f64>,
 }
 
 /// The first touch of two footprints.
@@ -120,8 +130,8 @@ pub struct LaneCrossing {
 const EXPECTED_EVENTS: usize = 16;
 
 impl Encounters {
-    /// Of a run of this world that has not begun; allocates what all of its steps need.
-    pub fn new(world: &World) -> Self {
+    /// Of a run of this world that has not begun, with what is to be followed; allocates what all of its steps need.
+    pub fn new(world: &World, followed: Followed) -> Self {
         let steps = (world.horizon / world.step).ceil().clamp(0.0, 1e6) as usize + 1;
         let encounter = |(car, pedestrian): (&VehicleSetup, usize)| Encounter {
             side: world
@@ -138,8 +148,10 @@ impl Encounters {
             first_entry: None,
             last_entry: None,
             crossing: None,
-            time_to_collision: None,
-            ahead: ContactAhead::new(world.path_of(car).course().is_some()),
+            ahead: followed.looks_ahead().then(|| Ahead {
+                contact: ContactAhead::new(world.path_of(car).course().is_some()),
+                time: None,
+            }),
             places: None,
             strip: (0.0, 0.0),
             near: false,
@@ -166,7 +178,18 @@ impl Encounters {
                 false => Vec::new(),
             },
             others: Vec::new(),
+            followed,
         }
+    }
+
+    /// The jerk that a meter asked for.
+    pub fn jerk(&self, which: FollowedJerk) -> &Jerk {
+        self.followed.of_jerk(which)
+    }
+
+    /// The drop of speed that a meter asked for.
+    pub fn speed_drop(&self, which: FollowedDrop) -> &SpeedDrop {
+        self.followed.of_drop(which)
     }
 
     /// By their indices in the world.
@@ -232,6 +255,7 @@ impl Encounters {
 
     /// Follows a step.
     pub fn observe(&mut self, step: &Step) {
+        self.followed.observe(step);
         for touch in step.contacts.iter().filter(|touch| touch.begins) {
             let Solid::Vehicle(vehicle) = touch.first else { continue };
             let contact = Contact {
@@ -299,6 +323,15 @@ impl Encounters {
 }
 
 impl Encounter {
+    /// Time to collision of the footprints if both kept their velocities from the end of the step on, s; `None` if
+    /// they are not on a collision course.
+    ///
+    /// # Panics
+    /// If no meter asked for it by [`MetricContext::look_ahead`](super::MetricContext::look_ahead).
+    pub fn time_to_collision(&self) -> Option<f64> {
+        self.ahead.as_ref().expect("whoever reads times to collision has asked for them").time
+    }
+
     /// The last passing of the line if it is the one that the pedestrian carried through.
     pub fn final_passing(&self) -> Option<Passing> {
         self.passings.last().copied().filter(|passing| passing.towards_goal)
@@ -308,7 +341,9 @@ impl Encounter {
         let (old_car, car) = (&step.before.vehicles[vehicle], &step.after.vehicles[vehicle]);
         let (old, new) = (&step.before.pedestrians[pedestrian], &step.after.pedestrians[pedestrian]);
         self.appeared.get_or_insert(step.time);
-        self.time_to_collision = self.ahead.look(step.time + step.duration, car, new);
+        if let Some(ahead) = &mut self.ahead {
+            ahead.time = ahead.contact.look(step.time + step.duration, car, new);
+        }
         // Where a step ends the next one begins.
         let locate = |position: Vector2<f64>| {
             let known = step.abreast.known(vehicle, pedestrian, position);

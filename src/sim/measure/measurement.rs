@@ -1,6 +1,9 @@
 //! All requested metrics of one run at once: the worst over pairs, with whose it was.
 
+use std::cell::RefCell;
+
 use super::encounter::{Encounters, Presence};
+use super::followed::Followed;
 use super::{Absence, BuildMeter, End, FreeFlow, InStep, Meter, MetricContext, Open, Scope, Worst};
 use crate::{Ending, Observer, Snapshot, Solid, Step, StopReason};
 use scenario::{MetricReference, World};
@@ -8,6 +11,8 @@ use scenario::{MetricReference, World};
 /// Meters for every request and every pair of road users that it concerns.
 pub struct Measurement {
     encounters: Encounters,
+    /// Request by request.
+    meters: Vec<Box<dyn Meter>>,
     requests: Vec<Request>,
     /// When and in which state the run ended before everybody had arrived.
     cut_off: Option<(f64, Snapshot)>,
@@ -49,7 +54,8 @@ type Subject = (Option<usize>, Option<Solid>);
 struct Request {
     worst: Worst,
     absence: Absence,
-    meters: Vec<(Subject, Box<dyn Meter>)>,
+    /// Whom each of its meters is of.
+    subjects: Vec<Subject>,
 }
 
 impl Measurement {
@@ -61,33 +67,32 @@ impl Measurement {
         free_flows: &[FreeFlow],
         free_speeds: &[f64],
     ) -> Self {
-        let meters = |reference: &MetricReference| {
+        let followed = RefCell::new(Followed::default());
+        let mut meters: Vec<Box<dyn Meter>> = Vec::new();
+        let request = |reference: &MetricReference| {
             let metric = reference.known().expect("requests were checked against a registry");
             let build: &BuildMeter = metric.meters.get().expect("`meters` makes all that there are");
             let settings = metric.declaration.resolve(&reference.settings).expect("settings were checked");
-            let subjects = subjects(metric.scope, world)
-                .filter(|subject| concerns(reference, world, *subject))
-                .map(|(vehicle, with)| {
-                    let pedestrian = pedestrian(with);
-                    let context = MetricContext {
-                        settings: &settings,
-                        world,
-                        vehicle: vehicle.unwrap_or(0),
-                        pedestrian: pedestrian.unwrap_or(0),
-                        with,
-                        free_flow: vehicle.and_then(|index| free_flows.get(index).copied()),
-                        free_speed: pedestrian.and_then(|index| free_speeds.get(index).copied()),
-                    };
-                    ((vehicle, with), build(&context))
-                });
-            Request { worst: metric.worst, absence: metric.absence, meters: subjects.collect() }
+            let concerned = subjects(metric.scope, world).filter(|one| concerns(reference, world, *one));
+            let concerned: Vec<Subject> = concerned.collect();
+            meters.extend(concerned.iter().map(|(vehicle, with)| {
+                let pedestrian = pedestrian(*with);
+                build(&MetricContext {
+                    settings: &settings,
+                    world,
+                    vehicle: vehicle.unwrap_or(0),
+                    pedestrian: pedestrian.unwrap_or(0),
+                    with: *with,
+                    free_flow: vehicle.and_then(|index| free_flows.get(index).copied()),
+                    free_speed: pedestrian.and_then(|index| free_speeds.get(index).copied()),
+                    followed: &followed,
+                })
+            }));
+            Request { worst: metric.worst, absence: metric.absence, subjects: concerned }
         };
-        Self {
-            encounters: Encounters::new(world),
-            requests: requests.iter().map(meters).collect(),
-            cut_off: None,
-            contact: false,
-        }
+        let requests = requests.iter().map(request).collect();
+        let encounters = Encounters::new(world, followed.into_inner());
+        Self { encounters, meters, requests, cut_off: None, contact: false }
     }
 
     /// The worst value of every request, in order.
@@ -99,12 +104,24 @@ impl Measurement {
     pub fn readings(&self) -> Vec<Reading> {
         let end = self.cut_off.as_ref().map(|(time, state)| End { time: *time, state });
         let is_open = |subject: Subject| !self.contact || !self.has_touched(subject);
-        self.requests.iter().map(|request| request.reading(&self.encounters, end.as_ref(), is_open)).collect()
+        self.with_meters()
+            .map(|(request, meters)| request.reading(meters, &self.encounters, end.as_ref(), is_open))
+            .collect()
     }
 
     /// Of every request in order the worst in the last step, over everybody that it is measured for.
     pub fn in_step(&self) -> Vec<InStep> {
-        self.requests.iter().map(|request| request.in_step(&self.encounters)).collect()
+        self.with_meters().map(|(request, meters)| request.in_step(meters, &self.encounters)).collect()
+    }
+
+    /// Every request in order, with its meters.
+    fn with_meters(&self) -> impl Iterator<Item = (&Request, &[Box<dyn Meter>])> {
+        let mut first = 0;
+        self.requests.iter().map(move |request| {
+            let all = first..first + request.subjects.len();
+            first = all.end;
+            (request, &self.meters[all])
+        })
     }
 
     /// Whether a pair has touched, or a vehicle or pedestrian anything.
@@ -132,13 +149,15 @@ impl Request {
     /// `is_open` says of whom something may be left to come at the `end`.
     fn reading(
         &self,
+        meters: &[Box<dyn Meter>],
         encounters: &Encounters,
         end: Option<&End>,
         is_open: impl Fn(Subject) -> bool,
     ) -> Reading {
         let subjects: Vec<_> = self
-            .meters
+            .subjects
             .iter()
+            .zip(meters)
             .map(|((vehicle, with), meter)| SubjectValue {
                 vehicle: *vehicle,
                 pedestrian: pedestrian(*with),
@@ -168,8 +187,8 @@ impl Request {
         Reading { worst, subjects, open }
     }
 
-    fn in_step(&self, encounters: &Encounters) -> InStep {
-        let each = self.meters.iter().map(|(_, meter)| meter.in_step(encounters));
+    fn in_step(&self, meters: &[Box<dyn Meter>], encounters: &Encounters) -> InStep {
+        let each = meters.iter().map(|meter| meter.in_step(encounters));
         let worse = |one: InStep, other: InStep| match (one, other) {
             (InStep::AtTheEnd, _) | (_, InStep::AtTheEnd) => InStep::AtTheEnd,
             (InStep::Nothing, other) => other,
@@ -205,7 +224,7 @@ impl Request {
 impl Observer for Measurement {
     fn observe(&mut self, step: &Step) {
         self.encounters.observe(step);
-        for (_, meter) in self.requests.iter_mut().flat_map(|request| &mut request.meters) {
+        for meter in &mut self.meters {
             meter.observe(step, &self.encounters);
         }
     }

@@ -5,9 +5,15 @@
 mod details;
 mod encounter;
 mod events;
+mod followed;
+mod jerk;
 mod measurement;
 mod passage;
+mod sliding;
+mod speed_drop;
 mod steered_pair;
+
+use std::cell::RefCell;
 
 use serde::{Deserialize, Serialize};
 
@@ -22,8 +28,11 @@ pub use encounter::{
     Contact, Encounter, Encounters, Entry, LaneCrossing, MEETING_TIME, Presence, part_within, strip,
 };
 pub use events::{Passing, Visit, half_extent, half_extent_along, lerp, rising};
+pub use followed::{Followed, FollowedDrop, FollowedJerk};
+pub use jerk::Jerk;
 pub use measurement::{Measurement, Reading, SubjectValue};
 pub use passage::{Passage, Reached};
+pub use speed_drop::SpeedDrop;
 
 /// Builds the meter of one subject.
 type BuildMeter = Box<dyn Fn(&MetricContext) -> Box<dyn Meter> + Send + Sync>;
@@ -120,6 +129,15 @@ pub struct MetricContext<'a> {
     pub free_flow: Option<FreeFlow>,
     /// The speed at which the pedestrian would walk without traffic, m/s.
     pub free_speed: Option<f64>,
+    /// What is to be followed for the meter, which reads it off the [`Encounters`].
+    pub followed: &'a RefCell<Followed>,
+}
+
+impl MetricContext<'_> {
+    /// Lets times to collision be worked out.
+    pub fn look_ahead(&self) {
+        self.followed.borrow_mut().look_ahead();
+    }
 }
 
 /// What a vehicle does without pedestrians from the same start.

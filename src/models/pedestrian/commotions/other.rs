@@ -1,7 +1,9 @@
 //! What a road user keeps of each other in sight: how it is perceived, what it may do, and what one's own actions are worth as far as it is concerned (§3 to §8).
 
+use std::array;
+
 use super::access::access_orders;
-use super::action::{ACTIONS, ActionPlan, NO_ACTION};
+use super::action::{ACTIONS, ActionPlan, Destinations, NO_ACTION};
 use super::affordance::{AgentMove, AgentOrders, Party, Rules, Valuation};
 use super::belief::{Beliefs, PerBehaviour};
 use super::draws::StandardNormals;
@@ -182,8 +184,10 @@ impl Other {
         let mut values = [[0.0; ACTIONS]; BEHAVIOURS];
         let mut others_values = [[0.0; ACTIONS]; BEHAVIOURS];
         let destinations = plan.destinations(own.distance, own.speed);
+        // Actions that lead to the same state, as of whoever stands and would slow down, are worth the same.
+        let same = same_before(&destinations);
         let mut moves = [AgentMove::default(); ACTIONS];
-        for (j, own_move) in moves.iter_mut().enumerate() {
+        for (j, own_move) in moves.iter_mut().enumerate().filter(|(j, _)| same[*j].is_none()) {
             let to = PredictedState::new(destinations.state(j), &self.own.body, valuation.other_acceleration);
             *own_move = valuation.move_to(&self.own, own, to);
         }
@@ -194,7 +198,7 @@ impl Other {
             let to = PredictedState::new(to, &self.party.body, valuation.other_acceleration);
             let theirs = valuation.move_to(&self.party, other, to);
             for (j, mine) in moves.iter().enumerate() {
-                if let Some(same) = (0..j).find(|&same| moves[same].to.state == mine.to.state) {
+                if let Some(same) = same[j] {
                     values[b][j] = values[b][same];
                     others_values[b][j] = others_values[b][same];
                     continue;
@@ -221,4 +225,9 @@ impl Other {
         }
         (values, others_values)
     }
+}
+
+/// For each action the first before it that leads to the same state.
+fn same_before(destinations: &Destinations) -> [Option<usize>; ACTIONS] {
+    array::from_fn(|j| (0..j).find(|&other| destinations.state(other) == destinations.state(j)))
 }

@@ -18,21 +18,21 @@ pub struct Gains {
     pub speed_discomfort: f64,
     /// k_da, s³/m².
     pub acceleration_discomfort: f64,
+    /// The speed (m/s) at which moving is worth most: k_g / (2 k_dv).
+    free_speed: f64,
 }
 
 impl Gains {
     /// The gains of someone whose wanted speed is `free_speed`, so that g(free speed, 0) is 1.
     pub fn for_free_speed(free_speed: f64, acceleration_discomfort: f64) -> Self {
-        Self {
-            progress: 2.0 / free_speed,
-            speed_discomfort: 1.0 / (free_speed * free_speed),
-            acceleration_discomfort,
-        }
+        let (progress, speed_discomfort) = (2.0 / free_speed, 1.0 / (free_speed * free_speed));
+        let free_speed = progress / (2.0 * speed_discomfort);
+        Self { progress, speed_discomfort, acceleration_discomfort, free_speed }
     }
 
     /// The speed (m/s) at which moving is worth most. Its last bit can differ from the wanted one.
     pub fn free_speed(&self) -> f64 {
-        self.progress / (2.0 * self.speed_discomfort)
+        self.free_speed
     }
 
     /// The value rate of moving at `speed` with `acceleration`.
@@ -75,6 +75,8 @@ pub struct Phases {
     pub left_over: bool,
     /// When the free travelling starts (s): s₄.
     pub free_from: f64,
+    /// When the last phase ends, in samples.
+    last_sample: f64,
     /// Whether there is a wait phase, at exactly zero speed.
     pub waits: bool,
 }
@@ -97,6 +99,8 @@ impl Phases {
 #[derive(Clone, Debug)]
 pub struct Discounting {
     half_life: f64,
+    /// See [`Self::free_value`].
+    free_value: f64,
     horizon: f64,
     action_duration: f64,
     action_samples: usize,
@@ -117,6 +121,7 @@ impl Discounting {
         let table = PowerSumTable::new(ratio, largest.max(action_samples));
         Self {
             half_life,
+            free_value: half_life / std::f64::consts::LN_2,
             horizon,
             action_duration,
             action_samples,
@@ -129,7 +134,7 @@ impl Discounting {
 
     /// The value of travelling freely for ever: `T_δ / ln 2` times the rate at free speed, which is 1.
     pub fn free_value(&self) -> f64 {
-        self.half_life / std::f64::consts::LN_2
+        self.free_value
     }
 
     /// The discount r^n of sample n.
@@ -163,31 +168,37 @@ impl Discounting {
             integrated: 4,
             left_over: false,
             free_from,
+            last_sample: 0.0,
             waits: course.wait > 0.0,
         };
         let horizon = self.horizon;
-        let end = if free_from <= horizon {
-            phases.starts[1] = sample_at(wait_from);
-            phases.starts[2] = sample_at(regain_from);
-            phases.starts[3] = sample_at(free_from);
-            free_from
+        let samples = |time: f64| time / SAMPLE_TIME;
+        // Without a wait one phase ends where the other does.
+        let until_regain = |wait: f64| if course.wait == 0.0 { wait } else { samples(regain_from) };
+        phases.last_sample = if free_from <= horizon {
+            let (wait, free) = (samples(wait_from), samples(free_from));
+            let regain = until_regain(wait);
+            phases.starts = [self.action_samples, wait as usize, regain as usize, free as usize];
+            free
         } else if achieve_from > horizon {
             phases.integrated = 0;
             return phases;
         } else if wait_from > horizon {
             phases.integrated = 1;
-            achieve_from
+            samples(achieve_from)
         } else if regain_from > horizon {
             phases.integrated = 2;
-            phases.starts[1] = sample_at(wait_from);
-            wait_from
+            let wait = samples(wait_from);
+            phases.starts[1] = wait as usize;
+            wait
         } else {
             phases.integrated = 3;
-            phases.starts[1] = sample_at(wait_from);
-            phases.starts[2] = sample_at(regain_from);
-            regain_from
+            let wait = samples(wait_from);
+            let regain = until_regain(wait);
+            (phases.starts[1], phases.starts[2]) = (wait as usize, regain as usize);
+            regain
         };
-        phases.left_over = end / SAMPLE_TIME > phases.end() as f64;
+        phases.left_over = phases.last_sample > phases.end() as f64;
         phases
     }
 
@@ -196,7 +207,7 @@ impl Discounting {
     pub fn action(&self, gains: &Gains, action: &ActionPhase) -> AfterAction {
         let [s0, s1, s2, s3, s4] = self.action_sums;
         let n = self.action_samples as f64;
-        let Gains { progress: kg, speed_discomfort: kdv, acceleration_discomfort: kda } = *gains;
+        let Gains { progress: kg, speed_discomfort: kdv, acceleration_discomfort: kda, .. } = *gains;
         let (u, a) = (action.speed, action.acceleration);
         // u_n = u + b n + c n², a_n = a + j n.
         let j = action.jerk * SAMPLE_TIME;
@@ -252,7 +263,7 @@ impl Discounting {
         if phases.left_over {
             sum += self.weight(phases.end()) * gains.rate(speed, 0.0);
         }
-        SAMPLE_TIME * sum + self.free_value() * self.discount(phases.free_from)
+        SAMPLE_TIME * sum + self.free_value() * self.discount_of_free_travelling(phases)
     }
 
     /// Σ g·r^n over a phase of constant acceleration.
@@ -267,23 +278,20 @@ impl Discounting {
                 - gains.speed_discomfort * h * h * sums.s2)
     }
 
-    /// 2^(−t/T_δ).
+    /// 2^(−t/T_δ) when the free travelling starts.
     #[inline]
-    fn discount(&self, time: f64) -> f64 {
-        if time <= self.horizon {
-            let samples = time / SAMPLE_TIME;
-            let whole = samples as usize;
+    fn discount_of_free_travelling(&self, phases: &Phases) -> f64 {
+        if phases.integrated == 4 {
+            // Within the horizon it starts where the last phase ends.
+            let samples = phases.last_sample;
+            let whole = phases.starts[3];
             self.weight(whole) * exp_of_small(self.log_ratio * (samples - whole as f64))
+        } else if phases.free_from == f64::INFINITY {
+            0.0
         } else {
-            libm::exp2(-time / self.half_life)
+            libm::exp2(-phases.free_from / self.half_life)
         }
     }
-}
-
-/// The sample in which `time` lies.
-#[inline]
-fn sample_at(time: f64) -> usize {
-    (time / SAMPLE_TIME) as usize
 }
 
 /// e^x by its series where six terms are exact, which they are for every half-life above 2 s.

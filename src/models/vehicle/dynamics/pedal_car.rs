@@ -187,9 +187,8 @@ impl PedalCar {
 
     fn acceleration(&self, speed: f64) -> f64 {
         let pressed = (self.brake - self.dead_zone).max(0.0);
-        let coasting = self.map.acceleration(self.throttle, 0.0, speed);
-        let braking = self.map.acceleration(self.throttle, pressed, speed) - coasting;
-        coasting + self.brake_factor(speed) * braking
+        let (coasting, braking) = self.map.accelerations(self.throttle, pressed, speed);
+        coasting + self.brake_factor(speed) * (braking - coasting)
     }
 
     fn moved(&self, pedal: f64, wanted: f64, step: f64) -> f64 {

@@ -25,7 +25,11 @@ pub struct PedalMap {
 impl Grid {
     /// m/s² at a pedal position (0..1) and a speed.
     pub fn acceleration(&self, pedal: f64, speed: f64) -> f64 {
-        let place = locate(self.speeds, speed);
+        self.at(&locate(self.speeds, speed), pedal)
+    }
+
+    /// The same at a place among its speeds.
+    fn at(&self, place: &Place, pedal: f64) -> f64 {
         let above = self.rows.iter().position(|&(position, _)| position >= pedal);
         match above {
             Some(0) => place.read(self.rows[0].1),
@@ -55,10 +59,13 @@ impl Grid {
 }
 
 impl PedalMap {
-    /// m/s² with both pedals where they are, as while the one is released and the other pressed.
-    pub fn acceleration(&self, throttle: f64, brake: f64, speed: f64) -> f64 {
-        let coasting = self.brake.acceleration(0.0, speed);
-        self.throttle.acceleration(throttle, speed) + self.brake.acceleration(brake, speed) - coasting
+    /// m/s² by the throttle alone, and with both pedals where they are, as while the one is released and the other pressed.
+    pub fn accelerations(&self, throttle: f64, brake: f64, speed: f64) -> (f64, f64) {
+        let place = locate(self.brake.speeds, speed);
+        let coasting = self.brake.at(&place, 0.0);
+        let braking = if brake == 0.0 { coasting } else { self.brake.at(&place, brake) };
+        let driving = self.throttle.acceleration(throttle, speed);
+        (driving + coasting - coasting, driving + braking - coasting)
     }
 }
 

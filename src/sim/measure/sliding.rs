@@ -1,6 +1,7 @@
 //! A speed signal seen through a sliding window, exactly: linear between its vertices.
 
-use std::collections::VecDeque;
+/// So many vertices that no delay reaches any more are forgotten at once.
+const FORGOTTEN: usize = 64;
 
 /// A piecewise linear signal and its values at fixed delays.
 ///
@@ -10,9 +11,19 @@ use std::collections::VecDeque;
 #[derive(Debug, Clone)]
 pub struct Sliding<const DELAYS: usize> {
     /// Time (s) and value.
-    vertices: VecDeque<(f64, f64)>,
-    /// Rising delays (s), each with the index of the vertex at or before the present minus the delay.
-    taps: [(f64, usize); DELAYS],
+    vertices: Vec<(f64, f64)>,
+    taps: [Tap; DELAYS],
+}
+
+/// A delayed copy of the signal.
+#[derive(Debug, Clone, Copy)]
+struct Tap {
+    /// s
+    delay: f64,
+    /// Of the vertex at or before the present minus the delay.
+    index: usize,
+    /// When the copy comes to the vertex after that, s.
+    next: f64,
 }
 
 impl<const DELAYS: usize> Sliding<DELAYS> {
@@ -20,12 +31,14 @@ impl<const DELAYS: usize> Sliding<DELAYS> {
     pub fn new(delays: [f64; DELAYS], step: f64) -> Self {
         let longest = delays.last().copied().unwrap_or(0.0);
         // A signal may have a vertex inside a step, so two per step.
-        let capacity = 2 * (longest / step).ceil() as usize + 8;
-        Self { vertices: VecDeque::with_capacity(capacity), taps: delays.map(|delay| (delay, 0)) }
+        let capacity = 2 * (longest / step).ceil() as usize + 8 + FORGOTTEN;
+        let taps = delays.map(|delay| Tap { delay, index: 0, next: f64::INFINITY });
+        Self { vertices: Vec::with_capacity(capacity), taps }
     }
 
     /// The signal goes on straight from `from` to `to` (time in s, value). `visit` gets every breakpoint up to and
     /// with `to`: its time, the value there, and the delayed values.
+    #[inline]
     pub fn advance(
         &mut self,
         from: (f64, f64),
@@ -33,44 +46,59 @@ impl<const DELAYS: usize> Sliding<DELAYS> {
         mut visit: impl FnMut(f64, f64, [f64; DELAYS]),
     ) {
         if self.vertices.is_empty() {
-            let longest = self.taps.last().map_or(0.0, |tap| tap.0);
-            self.vertices.push_back((from.0 - 2.0 * longest, from.1));
-            self.vertices.push_back(from);
+            self.begin(from);
         }
-        self.vertices.push_back(to);
+        self.vertices.push(to);
         loop {
-            let upcoming = |tap: &(f64, usize)| self.vertices[tap.1 + 1].0 + tap.0;
-            let next = self.taps.iter().map(upcoming).fold(f64::INFINITY, f64::min);
+            let next = self.taps.iter().map(|tap| tap.next).fold(f64::INFINITY, f64::min);
             let now = next.min(to.0);
             if now > from.0 {
                 let value = if now == to.0 { to.1 } else { between(from, to, now) };
-                let mut delayed = [0.0; DELAYS];
-                for (delayed, &(delay, index)) in delayed.iter_mut().zip(&self.taps) {
-                    *delayed = between(self.vertices[index], self.vertices[index + 1], now - delay);
-                }
+                let delayed = self.taps.map(|tap| {
+                    between(self.vertices[tap.index], self.vertices[tap.index + 1], now - tap.delay)
+                });
                 visit(now, value, delayed);
             }
             if next >= to.0 {
                 break;
             }
             for tap in &mut self.taps {
-                if self.vertices[tap.1 + 1].0 + tap.0 <= now {
-                    tap.1 += 1;
+                if tap.next <= now {
+                    tap.index += 1;
+                    tap.next = self.vertices[tap.index + 1].0 + tap.delay;
                 }
             }
         }
-        while self.taps.iter().all(|tap| tap.1 > 0) {
-            self.vertices.pop_front();
-            for tap in &mut self.taps {
-                tap.1 -= 1;
-            }
+        self.forget();
+    }
+
+    fn begin(&mut self, from: (f64, f64)) {
+        let longest = self.taps.last().map_or(0.0, |tap| tap.delay);
+        self.vertices.extend([(from.0 - 2.0 * longest, from.1), from]);
+        self.taps.iter_mut().for_each(|tap| tap.next = from.0 + tap.delay);
+    }
+
+    fn forget(&mut self) {
+        // The longest delay is the last one.
+        let past = self.taps.last().map_or(0, |tap| tap.index);
+        if past >= FORGOTTEN {
+            self.vertices.drain(..past);
+            self.taps.iter_mut().for_each(|tap| tap.index -= past);
         }
     }
 }
 
+#[inline]
 fn between(from: (f64, f64), to: (f64, f64), time: f64) -> f64 {
-    let span = to.0 - from.0;
-    if span <= 0.0 { to.1 } else { from.1 + ((time - from.0) / span).clamp(0.0, 1.0) * (to.1 - from.1) }
+    let (span, rise) = (to.0 - from.0, to.1 - from.1);
+    if span <= 0.0 {
+        to.1
+    } else if rise == 0.0 {
+        // The same number but for the sign of zero, without a division.
+        from.1 + 0.0
+    } else {
+        from.1 + ((time - from.0) / span).clamp(0.0, 1.0) * rise
+    }
 }
 
 #[cfg(test)]
