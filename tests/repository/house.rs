@@ -65,6 +65,7 @@ const ROOMS: [(&str, &[&str]); 8] = [
             "diff",
             "project",
             "session",
+            "shards",
             "watch",
             "runner",
         ],
