@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use super::error::ShardError;
+use files::ReadError;
 
 /// A program of some machine. Results of another one are of other runs.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -24,14 +24,13 @@ impl Build {
     ///
     /// # Errors
     /// If its file cannot be read.
-    pub fn here() -> Result<Self, ShardError> {
+    pub fn here() -> Result<Self, ReadError> {
         // The file that runs, whatever stands in its place by now.
         let file = match cfg!(target_os = "linux") {
             true => Ok(PathBuf::from("/proc/self/exe")),
             false => env::current_exe(),
         };
-        let digest = file.map_err(files::ReadError::from).and_then(|file| files::digest(&file));
-        let digest = digest.map_err(|error| ShardError::OwnProgram { message: error.to_string() })?;
+        let digest = files::digest(&file?)?;
         Ok(Self {
             digest: digest.iter().map(|byte| format!("{byte:02x}")).collect(),
             target: format!("{}-{}", env::consts::ARCH, env::consts::OS),

@@ -11,7 +11,7 @@ use files::Memory;
 use results::Requests;
 use scenario::registry::Registry;
 
-/// Somebody who decides by noise, filters and an ordinary differential equation's worth of transcendental functions, before vehicles that brake.
+/// People who decide by noise and transcendental functions or walk by a plan, before vehicles that brake and that do not.
 const ENCOUNTERS: &str = "\
 scenario mind {
   road { lanes forward, backward; lane_width 3.5 m; speed_limit 50 km/h; crossing zebra { width: 4 m } }

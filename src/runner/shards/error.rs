@@ -10,14 +10,6 @@ use super::build::Build;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ShardError {
-    /// The build is told by them.
-    #[error(
-        "this program's own file cannot be read, so that nobody could say which build made the runs: {message}"
-    )]
-    OwnProgram {
-        /// In the words of the system.
-        message: String,
-    },
     /// It runs wherever what ships is there.
     #[error("the canary run cannot be made: {message}")]
     Canary {
@@ -30,6 +22,14 @@ pub enum ShardError {
         /// The manifest, or a file of results.
         path: PathBuf,
         /// What is wrong with it, in words.
+        message: String,
+    },
+    /// The disk is full, or nothing may be written there.
+    #[error("{}: the results cannot be written: {message}", path.display())]
+    NotWritten {
+        /// A file of results.
+        path: PathBuf,
+        /// In the words of the system.
         message: String,
     },
     /// A file ends before its last line: whoever wrote it was not done, or it is still on its way.

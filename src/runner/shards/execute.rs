@@ -10,7 +10,7 @@ use super::batch_file::{self, AskedProgram, ResultsHeader};
 use super::error::ShardError;
 use super::manifest::{Batches, ManifestReader, ManifestUnit, UnitBatch};
 use super::planned_unit::Planner;
-use super::slices::{Slice, SliceRuns, run_slices};
+use super::slices::{SliceRuns, TrialSlice, run_slices};
 use super::whole_units::run_whole;
 use crate::run::{Executor, FirstRuns, Panicked, Stop, VerifyRuns};
 use crate::session::UnitKind;
@@ -39,7 +39,7 @@ pub struct Execution<'e> {
 
 /// What became of a batch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Progress<'p> {
+pub enum BatchProgress<'p> {
     /// It was there.
     Skipped,
     /// What was there is cut off or damaged, which is said in words: it is made again.
@@ -69,7 +69,7 @@ impl Execution<'_> {
     ///
     /// # Errors
     /// The first that could not be made or written; those before it are there.
-    pub fn run(&self, told: &(dyn Fn(&UnitBatch, Progress) + Sync)) -> Result<Executed, ShardError> {
+    pub fn run(&self, told: &(dyn Fn(&UnitBatch, BatchProgress) + Sync)) -> Result<Executed, ShardError> {
         if self.manifest.header().canary != self.canary {
             return Err(ShardError::OtherCanary { path: self.manifest.path().to_path_buf() });
         }
@@ -153,7 +153,7 @@ struct State {
 }
 
 impl Share<'_, '_> {
-    fn drive(&self, told: &(dyn Fn(&UnitBatch, Progress) + Sync)) {
+    fn drive(&self, told: &(dyn Fn(&UnitBatch, BatchProgress) + Sync)) {
         while let Some(batch) = self.next() {
             let ended = match batch {
                 Ok(batch) => match Panicked::catch(|| self.batch(&batch, told)) {
@@ -192,21 +192,21 @@ impl Share<'_, '_> {
     fn batch(
         &self,
         batch: &UnitBatch,
-        told: &(dyn Fn(&UnitBatch, Progress) + Sync),
+        told: &(dyn Fn(&UnitBatch, BatchProgress) + Sync),
     ) -> Result<Option<usize>, ShardError> {
         let Execution { manifest, folder, canary, .. } = self.of;
         let path = batch.path(folder);
         if path.exists() && self.of.reuse {
             match batch_file::read(&path, batch, manifest.header(), |_, _| ()) {
                 Ok(_) => {
-                    told(batch, Progress::Skipped);
+                    told(batch, BatchProgress::Skipped);
                     return Ok(None);
                 }
                 // What another one made is not overwritten: somebody has mixed up two folders, or two machines differ.
                 Err(error @ (ShardError::OtherBuild { .. } | ShardError::OtherCanary { .. })) => {
                     return Err(error);
                 }
-                Err(error) => told(batch, Progress::Damaged(&error.to_string())),
+                Err(error) => told(batch, BatchProgress::Damaged(&error.to_string())),
             }
         }
         let begun = Instant::now();
@@ -217,11 +217,11 @@ impl Share<'_, '_> {
         if let Err(error) = written {
             // Another worker may have written the same meanwhile.
             if batch_file::read(&path, batch, manifest.header(), |_, _| ()).is_err() {
-                return Err(super::sealed::wrong(&path, format!("it cannot be written: {error}")));
+                return Err(ShardError::NotWritten { path, message: error.to_string() });
             }
         }
         let runs = results.iter().map(Vec::len).sum();
-        told(batch, Progress::Made { runs, took: begun.elapsed() });
+        told(batch, BatchProgress::Made { runs, took: begun.elapsed() });
         Ok(Some(runs))
     }
 
@@ -236,7 +236,7 @@ impl Share<'_, '_> {
             match unit.runs {
                 Some((first, runs)) => {
                     let number = number.map(|number| number + first);
-                    slices.push(Slice { place, unit: unit.unit, first, runs, number });
+                    slices.push(TrialSlice { place, unit: unit.unit, first, runs, number });
                 }
                 None => results[place] = run_whole(planner, *executor, unit.unit, *verify, number, stop)?,
             }

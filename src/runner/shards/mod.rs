@@ -21,7 +21,7 @@ mod whole_units;
 pub use build::Build;
 pub use canary::canary;
 pub use error::ShardError;
-pub use execute::{Executed, Execution, Progress};
+pub use execute::{BatchProgress, Executed, Execution};
 pub use manifest::{
     Batches, ManifestHeader, ManifestReader, ManifestUnit, PlannedProgram, UnitBatch, write_manifest,
 };

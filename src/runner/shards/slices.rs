@@ -12,7 +12,7 @@ use crate::run::{
 
 /// Some runs of a trial.
 #[derive(Debug, Clone)]
-pub struct Slice {
+pub struct TrialSlice {
     /// In the batch.
     pub place: usize,
     /// The unit of the session.
@@ -31,7 +31,7 @@ pub fn run_slices(
     planner: &Planner,
     executor: &dyn Executor,
     first_runs: &FirstRuns,
-    slices: Vec<Slice>,
+    slices: Vec<TrialSlice>,
     stop: &Stop,
 ) -> Result<Vec<(usize, RunDigest, SliceRuns)>, ShardError> {
     let wanted = slices.len();
@@ -47,7 +47,7 @@ pub fn run_slices(
 struct Slices<'s, 'a> {
     planner: &'s Planner<'a>,
     first_runs: &'s FirstRuns,
-    waiting: std::vec::IntoIter<Slice>,
+    waiting: std::vec::IntoIter<TrialSlice>,
     done: Vec<(usize, RunDigest, SliceRuns)>,
 }
 
@@ -83,7 +83,7 @@ impl<'s, 'a> Sequences for Slices<'s, 'a> {
 
 struct UnderWay<'s, 'a> {
     planner: &'s Planner<'a>,
-    slice: Slice,
+    slice: TrialSlice,
     trial: PlannedTrial,
     /// The runs that are made a second time, alone.
     twice: Vec<usize>,
@@ -98,7 +98,7 @@ impl Sequence for UnderWay<'_, '_> {
     }
 
     fn job(&mut self, place: JobPlace) -> Job {
-        let Slice { first, runs, .. } = self.slice;
+        let TrialSlice { first, runs, .. } = self.slice;
         let alone = place.run >= runs;
         let run = if alone { self.twice[place.run - runs] } else { first + place.run };
         let wanted = if alone || self.twice.contains(&run) { Wanted::Decisions } else { Wanted::Outcome };
