@@ -10,8 +10,7 @@ use crate::run::{Executor, Job, JobPlace, RunDigest, RunDigests, Wanted};
 use crate::session::{Runner, UnitKind, Units, Work};
 use scenario::Case;
 
-/// A step of the simulation of one road user, s. Of what ships it is between a third and three times of what is measured, since how much a
-/// pedestrian thinks decides (`docs/scale.md`).
+/// A step of the simulation of one road user, s: a rough number, by which batches are of about the same size.
 const STEP: f64 = 1.5e-6;
 
 /// What is the same for a run however long it is, s.
