@@ -126,7 +126,7 @@ fn the_reports_of_shares_are_those_of_one_machine_byte_for_byte() {
 fn a_part_that_was_chosen_is_what_a_run_of_that_part_comes_to() {
     let folder = folder();
     let folder = folder.path();
-    let chosen = ["-E", "kind(search)", "--seed", "5", "--set", "repeat=3"];
+    let chosen = ["-E", "kind(search)", "--seed", "5", "--set", "repeat=6"];
     let local = reported(folder, "local", &[&["crossing.suite"], &chosen[..]].concat());
     planned(folder, &chosen);
     executed(folder, "hash:1/2", "2");
