@@ -14,6 +14,7 @@ use super::slices::{SliceRuns, TrialSlice, run_slices};
 use super::whole_units::run_whole;
 use crate::run::{Executor, FirstRuns, Panicked, Stop, VerifyRuns};
 use crate::session::UnitKind;
+use files::{Disk, Files};
 
 /// What is to be run, by whom and where the results go.
 pub struct Execution<'e> {
@@ -196,7 +197,7 @@ impl Share<'_, '_> {
     ) -> Result<Option<usize>, ShardError> {
         let Execution { manifest, folder, canary, .. } = self.of;
         let path = batch.path(folder);
-        if path.exists() && self.of.reuse {
+        if Disk.is_file(&path) && self.of.reuse {
             match batch_file::read(&path, batch, manifest.header(), |_, _| ()) {
                 Ok(_) => {
                     told(batch, BatchProgress::Skipped);

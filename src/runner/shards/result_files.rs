@@ -57,7 +57,7 @@ impl ResultFiles {
             let batch = batch?;
             expected.insert(batch.id.clone());
             let path = batch.path(folder);
-            if !path.exists() {
+            if !Disk.is_file(&path) {
                 missing.add(&batch);
                 continue;
             }
