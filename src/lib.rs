@@ -150,9 +150,19 @@ pub mod session {
 /// one that ships.
 pub mod run {
     pub use runner::run::{
-        BatchError, DecodingError, Done, EncodedBy, Executor, FirstRuns, FreeFlows, Job, JobFailure,
-        JobPlace, MeasuredMetrics, Panicked, Ran, Round, RunBatch, RunError, Stop, Threads, VerifyRuns,
-        Wanted, WentDifferently, note_places, programs, went_differently,
+        AbsentRuns, BatchError, DecodingError, Done, EncodedBy, Executor, FirstRuns, FreeFlows, FromResults,
+        Job, JobFailure, JobPlace, MeasuredMetrics, Panicked, Ran, Round, RunBatch, RunDigest, RunDigests,
+        RunError, RunResults, Stop, StoredRun, Threads, VerifyRuns, Wanted, WentDifferently, note_places,
+        programs, went_differently,
+    };
+}
+
+/// Runs on many machines: a manifest of units, files of results, and the executor that answers from them.
+pub mod shards {
+    pub use runner::shards::{
+        BatchProgress, Batches, Build, Executed, Execution, ManifestHeader, ManifestReader, ManifestUnit,
+        PlannedProgram, PlannedUnit, Planner, ResultFiles, ShardError, UnitBatch, canary, chosen,
+        write_manifest,
     };
 }
 

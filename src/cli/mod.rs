@@ -8,6 +8,7 @@ mod check;
 mod compare;
 mod convert;
 mod diff;
+mod exec;
 mod exit;
 mod experiment;
 mod explain;
@@ -20,10 +21,14 @@ mod list;
 pub(crate) mod load;
 mod lsp;
 mod measured;
+mod merge;
 mod models;
 mod number;
 mod one_case;
 mod parameters;
+mod plan;
+mod planned;
+mod program_files;
 mod programs;
 mod progress;
 mod project;
@@ -104,6 +109,12 @@ enum Command {
     Tune(experiment::ExperimentArguments),
     /// Run an `estimate` block: how probable a rare event is, as a bound that holds without assumptions and as an estimate.
     Estimate(experiment::ExperimentArguments),
+    /// Write down what there is to be run, in units that many machines share.
+    Plan(Box<plan::PlanArguments>),
+    /// Make the runs of a share of a plan, and write down what came of each. Nothing is judged.
+    Exec(exec::ExecArguments),
+    /// Judge the results of a plan that many machines have made, and write the reports of one.
+    Merge(Box<merge::MergeArguments>),
     /// Make reports of results that a run wrote with `--json`.
     Report(report::ReportArguments),
     /// Record, show and compare what the runs of a suite came to, as files to commit.
@@ -198,6 +209,9 @@ fn obey(cli: Cli, registry: &Registry) -> Exit {
         Some(Command::Search(arguments)) => experiment::search(&arguments, registry),
         Some(Command::Tune(arguments)) => experiment::tune(&arguments, registry),
         Some(Command::Estimate(arguments)) => experiment::estimate(&arguments, registry),
+        Some(Command::Plan(arguments)) => plan::plan(*arguments, registry),
+        Some(Command::Exec(arguments)) => exec::exec(&arguments, registry),
+        Some(Command::Merge(arguments)) => merge::merge(*arguments, registry),
         Some(Command::Report(arguments)) => report::report(&arguments, registry),
         Some(Command::Baseline(arguments)) => baseline::baseline(&arguments, registry),
         Some(Command::Compare(arguments)) => compare::compare(&arguments, registry),

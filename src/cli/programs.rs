@@ -31,6 +31,16 @@ pub struct VerifyArguments {
 }
 
 impl VerifyArguments {
+    /// What [`Self::word`] said.
+    pub fn of_word(word: &str) -> Option<Self> {
+        Verified::from_str(word, false).ok().map(|verify_runs| Self { verify_runs })
+    }
+
+    /// As on the command line.
+    pub fn word(self) -> String {
+        self.verify_runs.to_possible_value().map_or_else(String::new, |value| value.get_name().to_string())
+    }
+
     pub fn runs(self) -> VerifyRuns {
         self.verify_runs.into()
     }
@@ -58,6 +68,11 @@ impl From<Verified> for VerifyRuns {
 }
 
 impl ProgramArguments {
+    /// As if everything were allowed this once.
+    pub fn everything() -> Self {
+        Self { allow_run: Some(Vec::new()) }
+    }
+
     /// What the user allows, here, in the environment, or once and for all.
     pub fn permission(&self) -> Result<Permission, Exit> {
         let allowed = Allowed::place().and_then(Allowed::read).map_err(|error| {

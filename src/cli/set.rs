@@ -34,6 +34,19 @@ impl SetArguments {
         Self { set, repeat: None, controller, uses }
     }
 
+    /// What [`scenario::Suite::set`] has of such arguments; `None` if it is of something else.
+    pub fn of_words(words: &[String]) -> Option<Self> {
+        let mut all = Self::default();
+        for word in words {
+            match (word.strip_prefix("controller "), word.strip_prefix("use ")) {
+                (Some(controller), _) => all.controller.push(controller.parse().ok()?),
+                (_, Some(file)) => all.uses.push(file.into()),
+                _ => all.set.push(word.parse().ok()?),
+            }
+        }
+        Some(all)
+    }
+
     pub fn is_empty(&self) -> bool {
         self.set.is_empty() && self.repeat.is_none() && self.controller.is_empty() && self.uses.is_empty()
     }

@@ -15,6 +15,7 @@ mod folder;
 mod in_place;
 mod log;
 mod log_reader;
+mod pieces;
 mod read;
 mod recording;
 mod relative;
@@ -29,6 +30,7 @@ pub use changes::Changes;
 pub use folder::make_folder;
 pub use log::{Log, LogContents, append_text};
 pub use log_reader::{Header, LARGEST_RECORD, LogError, LogFormat, LogReader};
+pub use pieces::{Places, digest};
 pub use read::{
     LARGEST, Lines, ReadError, check_kind, read_bytes, read_kind, read_standard_input, read_text,
 };

@@ -147,7 +147,7 @@ pub(super) fn text(bytes: Vec<u8>) -> Result<String, ReadError> {
 }
 
 /// A file opened for reading, if it is a regular one.
-fn open(path: &Path) -> Result<File, ReadError> {
+pub(super) fn open(path: &Path) -> Result<File, ReadError> {
     regular(&path.metadata()?)?;
     let file = without_waiting().open(path)?;
     // It may have become something else in between; then opening has not waited for it at least.

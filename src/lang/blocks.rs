@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::check::{self, Checked, Places, Subjects};
+use super::check::{self, Checked, Subjects, TextPlaces};
 use super::codes::Code;
 use super::diagnostic::Diagnostic;
 use super::source::Span;
@@ -112,7 +112,7 @@ impl Gathered<'_> {
         report: &mut Vec<Diagnostic>,
     ) -> Blocks {
         reject_shared_names(files, &self.nodes, definitions, report);
-        let places = Places { files };
+        let places = TextPlaces { files };
         let mut subjects = Subjects {
             definitions,
             scenarios,

@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
 use super::blocks::{Gathered, gather};
-use super::check::{self, Places};
+use super::check::{self, TextPlaces};
 use super::codes::{Code, Severity};
 use super::diagnostic::{Diagnostic, Remedy};
 use super::file_kind::{FileKind, file_kind};
@@ -70,7 +70,7 @@ fn bare(files: &Texts, file: FileId, path: &Path, report: &mut Vec<Diagnostic>) 
     let scenarios = check_all(files, &definitions, None, report);
     warn_of_nothing_expected(files, &definitions, scenarios.iter(), &blocks, report);
     let supporting = supporting(files, &blocks, report);
-    let tested = check::tested(&Places { files }, scenarios.iter().chain(&supporting), report);
+    let tested = check::tested(&TextPlaces { files }, scenarios.iter().chain(&supporting), report);
     check_definitions(files, report);
     definitions.extend(&blocks.supporting);
     let declared = declared_names(files, &definitions, &blocks, &[]);
@@ -192,7 +192,7 @@ fn declared(files: &mut Texts, file: FileId, path: &Path, report: &mut Vec<Diagn
         report,
     );
     let supporting = supporting(files, &blocks, report);
-    let tested = check::tested(&Places { files }, scenarios.iter().chain(&supporting), report);
+    let tested = check::tested(&TextPlaces { files }, scenarios.iter().chain(&supporting), report);
     let tags = check::tags(block.tags());
     for scenario in &mut scenarios {
         for tag in &tags {
@@ -210,7 +210,7 @@ fn declared(files: &mut Texts, file: FileId, path: &Path, report: &mut Vec<Diagn
         .into_iter()
         .map(|node| {
             reject_duplicate(node.name(), &mut gate_names, report);
-            check::gate(node, &cast, files.scope(file), &Places { files }, report)
+            check::gate(node, &cast, files.scope(file), &TextPlaces { files }, report)
         })
         .collect();
     let complete = !super::texts::has_errors(report);
@@ -220,7 +220,7 @@ fn declared(files: &mut Texts, file: FileId, path: &Path, report: &mut Vec<Diagn
         .ratings()
         .map(|node| {
             reject_duplicate(node.name(), &mut rating_names, report);
-            let rating = check::rating(node, &rated, &cast, files.scope(file), &Places { files }, report);
+            let rating = check::rating(node, &rated, &cast, files.scope(file), &TextPlaces { files }, report);
             // Whatever the reason, one that is declared is judged or is an error.
             if rating.is_none() && !super::texts::has_errors(report) {
                 let (name, span) = (node.name().text(), node.name().span());
@@ -468,7 +468,7 @@ fn check_all(
     added: Option<check::SuiteCriteria>,
     report: &mut Vec<Diagnostic>,
 ) -> Vec<Scenario> {
-    let places = Places { files };
+    let places = TextPlaces { files };
     let mut seen: HashSet<(Code, Span, String)> = HashSet::new();
     let mut scenarios = Vec::new();
     for definition in definitions {
@@ -549,7 +549,7 @@ const IN_TEMPLATES: [Code; 14] = [
 
 /// Checks roads and templates that no scenario may have used.
 fn check_definitions(files: &Texts, report: &mut Vec<Diagnostic>) {
-    let places = Places { files };
+    let places = TextPlaces { files };
     let mut known: HashSet<(Code, Span, String)> =
         report.iter().map(|finding| (finding.code, finding.span(), finding.message.clone())).collect();
     let mut findings = Vec::new();

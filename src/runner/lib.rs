@@ -1,7 +1,7 @@
 //! Suites are planned, run and judged, and what blocks ask of them is searched, tuned and evaluated.
 //!
 //! [`project`] opens what files say, [`plan`] makes cases of it, [`run`] makes runs of these on an executor, [`experiment`]
-//! are the blocks, and a [`session`] does all that a user asked for.
+//! are the blocks, and a [`session`] does all that a user asked for; [`shards`] are its runs on many machines.
 
 // What `clippy.toml` bans is banned from what is shipped; tests may use it.
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
@@ -16,6 +16,7 @@ pub mod plan;
 pub mod project;
 pub mod run;
 pub mod session;
+pub mod shards;
 pub mod shrink;
 pub mod watch;
 pub mod why;

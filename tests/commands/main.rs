@@ -27,6 +27,7 @@ mod resume;
 mod roads_vary;
 mod run;
 mod set;
+mod shards;
 mod shrink;
 mod sketch;
 mod streets;

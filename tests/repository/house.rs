@@ -66,6 +66,7 @@ const ROOMS: [(&str, &[&str]); 8] = [
             "diff",
             "project",
             "session",
+            "shards",
             "watch",
             "runner",
         ],

@@ -17,7 +17,7 @@ use report::console::{Output, stderr, stdout};
 use report::{Live, StatusLevel, Terminal, render_controllers, render_gates, render_ratings};
 use results::Results;
 use runner::project::Project;
-use runner::run::{Stop, Threads};
+use runner::run::{Executor, Stop};
 use runner::session::{RunWatch, Selection, Session, Units};
 
 /// Of every command that runs what is selected.
@@ -137,7 +137,7 @@ pub struct ConductOrders<'o> {
     pub project: &'o Project,
     pub units: &'o Units<'o>,
     pub selection: Selection,
-    pub threads: Threads,
+    pub executor: &'o dyn Executor,
     pub stop: &'o Stop,
     /// Who is given the course of every run.
     pub watch: Option<&'o RunWatch<'o>>,
@@ -146,6 +146,8 @@ pub struct ConductOrders<'o> {
     pub every_trial: bool,
     /// Whether what was stopped is to be run again, so that nobody has to be told, and what it did not come to is not remembered.
     pub is_repeated: bool,
+    /// Whether all runs were made before: then nothing is gone on from but their results.
+    pub is_merged: bool,
 }
 
 /// What came of it.
@@ -154,6 +156,54 @@ pub struct Conducted {
     /// What could not be done, in words.
     pub complaints: Vec<String>,
     pub notices: Vec<String>,
+}
+
+/// Of a command that shows results of runs that were made before.
+#[derive(Debug, Args)]
+pub struct ShowArguments {
+    /// Number of threads, at most 1024 [default: one per core]. Runs that reports draw are made again, and blocks think.
+    #[arg(long, short = 'j', visible_alias = "jobs", value_name = "N", value_parser = number::threads())]
+    test_threads: Option<usize>,
+
+    #[command(flatten)]
+    programs: ProgramArguments,
+
+    /// Leave trials that a gate's baseline lacks out of the comparison, instead of refusing to judge the gate.
+    #[arg(long)]
+    baseline_lenient: bool,
+
+    /// Which trials and blocks get a line of their own.
+    #[arg(long, value_enum, default_value_t = ShownLevel(StatusLevel::Pass))]
+    status_level: ShownLevel,
+
+    /// Never show what is under way; it never is in CI or where standard error is no terminal.
+    #[arg(long)]
+    no_progress: bool,
+
+    /// When to use colours.
+    #[arg(long, value_enum, default_value_t = Colour::Auto)]
+    color: Colour,
+}
+
+impl ShowArguments {
+    /// As those of a command that makes the runs.
+    pub fn conduct(self, verify: VerifyArguments) -> ConductArguments {
+        let Self { test_threads, programs, baseline_lenient, status_level, no_progress, color } = self;
+        ConductArguments {
+            test_threads,
+            max_fail: MaxFail(None),
+            fail_fast: false,
+            seed: None,
+            set: SetArguments::default(),
+            programs,
+            verify,
+            journal: store::JOURNAL.into(),
+            baseline_lenient,
+            status_level,
+            no_progress,
+            color,
+        }
+    }
 }
 
 impl ConductArguments {
@@ -168,12 +218,13 @@ impl ConductArguments {
             project,
             units,
             selection,
-            threads,
+            executor,
             stop,
             watch,
             courses,
             every_trial,
             is_repeated,
+            is_merged,
         } = orders;
         let mut tried = TriedSeeds::read().unwrap_or_else(|error| {
             writeln!(
@@ -183,8 +234,7 @@ impl ConductArguments {
             TriedSeeds::default()
         });
         let mut session = Session::new(project)
-            .executor(threads)
-            .journals(&self.journal)
+            .executor(executor)
             .stopped_by(stop)
             .verify_runs(self.verify.runs())
             .after_seeds(tried.earlier(project.suites()))
@@ -194,9 +244,12 @@ impl ConductArguments {
         if let Some(watch) = watch {
             session = session.watched_by(watch);
         }
+        if !is_merged {
+            session = session.journals(&self.journal);
+        }
         let colour = self.color.wanted(stdout());
         let live = shows_progress(self.no_progress).then(Live::new);
-        session = session.pilot_runs(live.is_some() && self.status_level.0 != StatusLevel::Dot);
+        session = session.pilot_runs(!is_merged && live.is_some() && self.status_level.0 != StatusLevel::Dot);
         let terminal = Terminal::new(self.status_level.0, colour, live);
         let mut learning = Learning { terminal, units, last, repeated: is_repeated.then_some(stop) };
         let mut complaints = Vec::new();

@@ -6,7 +6,7 @@ pub mod hints;
 mod listed;
 pub mod output;
 pub mod parent;
-mod partition;
+pub mod partition;
 mod remember;
 mod seeds;
 pub mod select;
@@ -25,7 +25,7 @@ use super::interrupt::stop_on_interrupt;
 use super::{Exit, filter, load, measured, store};
 use lang::filter::Show;
 use report::console::stderr;
-use results::{Overall, SuiteReport};
+use results::{Overall, Results, SuiteReport};
 use runner::session::{self, RunWatch, Selection};
 use scenario::registry::Registry;
 
@@ -100,7 +100,7 @@ enum NoTests {
 
 /// What a build may not rest on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Deny {
+pub enum Deny {
     /// Criteria that passed without being put to the test, of which every report warns: the exit code is 102.
     Untested,
 }
@@ -223,12 +223,13 @@ pub fn run(arguments: RunArguments, registry: &Registry, program: &Command) -> E
         project: &project,
         units: &units,
         selection: Selection::marked(chosen).until_failures(conduct.max_failures()),
-        threads,
+        executor: &threads,
         stop: &stop,
         watch: watch.as_ref().map(|watch| watch as &RunWatch),
         courses: arguments.output.draw_runs(),
         every_trial: arguments.output.need_every_trial(in_github_actions()),
         is_repeated: false,
+        is_merged: false,
     };
     let Conducted { results, mut complaints, notices } = conduct.conduct(orders, &mut last);
     let reports = &results.suites;
@@ -247,25 +248,30 @@ pub fn run(arguments: RunArguments, registry: &Registry, program: &Command) -> E
     } else if !complaints.is_empty() {
         Exit::Output
     } else {
-        let overall = results.overall();
-        if overall == Overall::NothingJudged {
-            writeln!(stderr(), "warning: nothing was judged: no criterion applies to what was run");
-            if reports.iter().any(|report| !report.ratings.is_empty()) {
-                writeln!(
-                    stderr(),
-                    "help: a rating has a verdict if it says what the points must be: `expect {{ points >= 3 }}`"
-                );
-            }
-        }
         let unasked =
             arguments.serve_by_parent.as_deref().and_then(|name| parent::was_not_asked(name, reports));
-        if let Some(unasked) = unasked.filter(|_| overall == Overall::Passed) {
+        if let Some(unasked) = unasked.filter(|_| results.overall() == Overall::Passed) {
             writeln!(stderr(), "error: {unasked}");
             return Exit::NothingSelected;
         }
-        let exit = exit(overall);
-        if arguments.deny.contains(&Deny::Untested) { deny_untested(exit, reports) } else { exit }
+        judged(&results, &arguments.deny)
     }
+}
+
+/// The exit code for what everything that was selected came to. What says little by itself is said on stderr.
+pub fn judged(results: &Results, deny: &[Deny]) -> Exit {
+    let (overall, reports) = (results.overall(), &results.suites);
+    if overall == Overall::NothingJudged {
+        writeln!(stderr(), "warning: nothing was judged: no criterion applies to what was run");
+        if reports.iter().any(|report| !report.ratings.is_empty()) {
+            writeln!(
+                stderr(),
+                "help: a rating has a verdict if it says what the points must be: `expect {{ points >= 3 }}`"
+            );
+        }
+    }
+    let exit = exit(overall);
+    if deny.contains(&Deny::Untested) { deny_untested(exit, reports) } else { exit }
 }
 
 /// Takes what passed untested for what could not be decided.
@@ -282,7 +288,8 @@ fn deny_untested(exit: Exit, reports: &[SuiteReport]) -> Exit {
     if exit == Exit::Success { Exit::Inconclusive } else { exit }
 }
 
-fn in_github_actions() -> bool {
+/// Whether GitHub runs this.
+pub fn in_github_actions() -> bool {
     env::var_os("GITHUB_ACTIONS").is_some_and(|value| value == "true")
 }
 

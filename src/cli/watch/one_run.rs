@@ -1,13 +1,13 @@
 //! One run of a suite that is watched, from its file to what it came to.
 
 use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
 
 use super::arguments::WatchArguments;
+use crate::cli::program_files::program_files;
 use crate::cli::run::conduct::{ConductOrders, Conducted};
 use crate::cli::run::{LastRun, select};
 use crate::cli::{filter, load, programs};
-use files::{Files, RecordingDisk};
+use files::RecordingDisk;
 use lang::filter::{Filters, Show};
 use report::console::stderr;
 use results::{Overall, Results};
@@ -15,8 +15,8 @@ use runner::project::{Project, ProjectOptions};
 use runner::run::Stop;
 use runner::session::{self, Selection};
 use runner::watch::{Extent, SuiteState};
+use scenario::DeclaredProgram;
 use scenario::registry::Registry;
-use scenario::{DeclaredProgram, ProgramKind};
 use under_test::Allowed;
 
 /// What holds as long as is watched.
@@ -98,12 +98,13 @@ impl Wishes<'_> {
             project: &project,
             units: &units,
             selection,
-            threads,
+            executor: &threads,
             stop,
             watch: None,
             courses: true,
             every_trial: true,
             is_repeated: true,
+            is_merged: false,
         };
         let Conducted { results, complaints, notices } = conduct.conduct(orders, &mut last);
         notices.iter().for_each(|notice| writeln!(stderr(), "note: {notice}"));
@@ -125,71 +126,9 @@ fn note_programs<'p>(programs: impl Iterator<Item = &'p DeclaredProgram>, record
     let mut any = false;
     for program in programs {
         any = true;
-        let beside = Path::new(&program.file).parent().unwrap_or(Path::new(""));
-        match &program.kind {
-            ProgramKind::Wasm(file) => recording.besides(&beside.join(file)),
-            ProgramKind::Fmu(fmu) => recording.besides(&beside.join(&fmu.file)),
-            ProgramKind::Command(words) => {
-                files_of(words, &beside.join(&program.folder), recording)
-                    .iter()
-                    .for_each(|path| recording.besides(path));
-            }
-        }
+        program_files(program, recording).iter().for_each(|path| recording.besides(path));
     }
     if any && let Ok(place) = Allowed::place() {
         recording.besides(&place);
-    }
-}
-
-/// The files that a command names in its folder, such as a script and what it is told to read, and those beside them of the same kind, in
-/// their folder and in the folders of that: what it imports. What is found on PATH is the system's.
-fn files_of(words: &[String], folder: &Path, recording: &RecordingDisk) -> BTreeSet<PathBuf> {
-    let mut found = BTreeSet::new();
-    for word in words {
-        for part in [Some(word.as_str()), word.split_once('=').map(|(_, value)| value)].into_iter().flatten()
-        {
-            let path = folder.join(part);
-            if part.is_empty() || !recording.is_file(&path) {
-                continue;
-            }
-            if let (Some(parent), Some(ending)) = (path.parent(), path.extension()) {
-                let parent = if parent.as_os_str().is_empty() { Path::new(".") } else { parent };
-                let ending = glob::Pattern::escape(&ending.to_string_lossy());
-                let parent = glob::Pattern::escape(&parent.to_string_lossy());
-                for stem in ["*", "*/*"] {
-                    let paths = recording.matching(&format!("{parent}/{stem}.{ending}"));
-                    found.extend(paths.into_iter().flatten());
-                }
-            }
-            found.insert(path);
-        }
-    }
-    found
-}
-
-#[cfg(test)]
-mod tests {
-    use std::fs;
-
-    use super::*;
-
-    #[test]
-    fn what_a_command_is_made_of_is_found() {
-        let folder = tempfile::tempdir().unwrap();
-        fs::create_dir(folder.path().join("parts")).unwrap();
-        for file in ["av.py", "helper.py", "parts/more.py", "log.txt", "calm.json", "other.json"] {
-            fs::write(folder.path().join(file), file).unwrap();
-        }
-        let words = ["python3", "av.py", "--with=calm.json", "--fast"].map(str::to_string);
-        let recording = RecordingDisk::default();
-        let found = files_of(&words, folder.path(), &recording);
-        let names: Vec<String> = found
-            .iter()
-            .map(|path| path.strip_prefix(folder.path()).unwrap().display().to_string().replace('\\', "/"))
-            .collect();
-        assert_eq!(names, ["av.py", "calm.json", "helper.py", "other.json", "parts/more.py"]);
-        assert!(recording.changed().is_empty());
-        fs::write(folder.path().join("second.py"), "").unwrap();
-        assert!(!recording.changed().is_empty(), "a file that could be imported");
     }
 }

@@ -1,7 +1,7 @@
 //! `path { … }`: how a road bends, piece by piece.
 
 use super::book::Book;
-use super::places::Places;
+use super::places::TextPlaces;
 use super::road_settings::turn;
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
@@ -17,7 +17,7 @@ use scenario::{BendRadius, DeclaredPiece, Dimension, Expression, PieceKind, limi
 pub fn pieces(
     (path, road): (ast::RoadPath, &str),
     scope: &NameScope,
-    places: &Places,
+    places: &TextPlaces,
     written: &mut Book,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Vec<DeclaredPiece>> {
@@ -48,7 +48,7 @@ pub fn pieces(
 
 struct Reader<'a> {
     scope: &'a NameScope<'a>,
-    places: &'a Places<'a>,
+    places: &'a TextPlaces<'a>,
     written: &'a mut Book,
     /// As its numbers are noted.
     road: &'a str,

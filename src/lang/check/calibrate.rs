@@ -8,7 +8,7 @@ use super::criterion;
 use super::literal;
 use super::matched_parameters::matched_parameters;
 use super::pedestrian::individuals_of;
-use super::places::Places;
+use super::places::TextPlaces;
 use super::subject::{StatementSubject, Subjects};
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
@@ -30,7 +30,7 @@ pub fn calibrate(
     node: ast::Calibrate,
     subjects: &Subjects,
     scope: &NameScope,
-    places: &Places,
+    places: &TextPlaces,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Calibrate> {
     let (name, block) = (node.name(), node.block());
@@ -179,7 +179,7 @@ type Named<'a> = (Span, StatementSubject<'a>);
 fn named_scenarios<'a>(
     said: ast::CalibrateIn,
     subjects: &Subjects<'a>,
-    places: &Places,
+    places: &TextPlaces,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Vec<Named<'a>>> {
     let mut found: Vec<Named> = Vec::new();
@@ -231,7 +231,7 @@ fn one_is_weighed(span: Span, subject: &StatementSubject, report: &mut Vec<Diagn
 fn candidates_of(
     node: ast::Candidates,
     scenarios: &[Named],
-    places: &Places,
+    places: &TextPlaces,
     report: &mut Vec<Diagnostic>,
 ) -> Option<CandidateSource> {
     let number = match node.count() {
@@ -277,7 +277,7 @@ fn tolerance(node: ast::Expression, scope: &NameScope, report: &mut Vec<Diagnost
 }
 
 /// Populations that are shown beside, everybody in them.
-fn compared(node: ast::ComparePeople, places: &Places) -> Vec<Individuals> {
+fn compared(node: ast::ComparePeople, places: &TextPlaces) -> Vec<Individuals> {
     let one = |node: ast::Population| {
         let origin = places.origin(node.span());
         let (population, text) = individuals_of(node, places);
@@ -290,7 +290,7 @@ fn compared(node: ast::ComparePeople, places: &Places) -> Vec<Individuals> {
 fn observations(
     node: ast::Matched,
     scenarios: &[Named],
-    places: &Places,
+    places: &TextPlaces,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Observations> {
     let path = node.path();

@@ -2,7 +2,7 @@
 
 use super::criterion::{self, From};
 use super::experiment::{Takes, target};
-use super::places::Places;
+use super::places::TextPlaces;
 use super::subject::{StatementSubject, Subjects};
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
@@ -20,7 +20,7 @@ pub fn claim(
     node: ast::Claim,
     subjects: &Subjects,
     scope: &NameScope,
-    places: &Places,
+    places: &TextPlaces,
     report: &mut Vec<Diagnostic>,
 ) -> Option<StatementClaim> {
     let mut claims = Claims { subjects, scope, places, report };
@@ -35,7 +35,7 @@ pub fn claim(
 struct Claims<'a, 's> {
     subjects: &'a Subjects<'s>,
     scope: &'a NameScope<'a>,
-    places: &'a Places<'a>,
+    places: &'a TextPlaces<'a>,
     report: &'a mut Vec<Diagnostic>,
 }
 

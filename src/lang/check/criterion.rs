@@ -2,7 +2,7 @@
 
 use super::confidence::refuse_confidence;
 use super::metric::{Cast, example, kind_name, metric_reference};
-use super::places::Places;
+use super::places::TextPlaces;
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
 use crate::settings::{self, repeated};
@@ -28,7 +28,7 @@ pub fn criterion(
     from: From,
     cast: &Cast,
     scope: &NameScope,
-    places: &Places,
+    places: &TextPlaces,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Vec<Criterion>> {
     let before = report.len();

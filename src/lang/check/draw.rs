@@ -4,7 +4,7 @@ use std::collections::{HashMap, HashSet};
 
 use super::block::Layer;
 use super::draw_table::{self, ReadTable};
-use super::places::Places;
+use super::places::TextPlaces;
 use super::variation::{DrawnFrom, drawn_from, varied_names};
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
@@ -20,7 +20,7 @@ pub fn draws(
     layers: &[Layer<ast::ScenarioBlock>],
     variations: &mut Vec<Variation>,
     bindings: &mut HashMap<String, Binding>,
-    places: &Places,
+    places: &TextPlaces,
     report: &mut Vec<Diagnostic>,
 ) -> Vec<DeclaredDraw> {
     let mut draws: Vec<DeclaredDraw> = Vec::new();
@@ -123,7 +123,7 @@ fn single(
     node: ast::Draw,
     layer: &Layer<ast::ScenarioBlock>,
     known: &HashMap<String, Binding>,
-    places: &Places,
+    places: &TextPlaces,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Found> {
     let (name, span) = (node.name().text().to_string(), node.name().span());
@@ -159,14 +159,14 @@ fn single(
 }
 
 /// `draw together from "exposure.csv"`
-fn table(node: ast::DrawTogether, places: &Places, report: &mut Vec<Diagnostic>) -> Option<Found> {
+fn table(node: ast::DrawTogether, places: &TextPlaces, report: &mut Vec<Diagnostic>) -> Option<Found> {
     let file = node.file();
     let (path, table) = read(file, places, report)?;
     let all: Vec<usize> = (0..table.columns.len()).collect();
     Some(of_columns(&path, &table, &all, file.span(), places.origin(node.span())))
 }
 
-fn read(file: ast::Text, places: &Places, report: &mut Vec<Diagnostic>) -> Option<(String, ReadTable)> {
+fn read(file: ast::Text, places: &TextPlaces, report: &mut Vec<Diagnostic>) -> Option<(String, ReadTable)> {
     let path = places.beside(file.span(), &file.value());
     match draw_table::read(&path, places) {
         Ok(table) => Some((path, table)),

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::path::Path;
 
-use super::places::Places;
+use super::places::TextPlaces;
 use crate::units;
 use crate::value::ValueKind;
 use scenario::{Dimension, Notation, Value, VariedValue};
@@ -36,7 +36,7 @@ pub type Wrong = (String, String);
 ///
 /// # Errors
 /// If it cannot be read, or is no table that could be drawn from: what is wrong in which line, and the cure.
-pub fn read(path: &str, places: &Places) -> Result<ReadTable, Wrong> {
+pub fn read(path: &str, places: &TextPlaces) -> Result<ReadTable, Wrong> {
     let file = Path::new(path).file_name().map_or(path.into(), |name| name.to_string_lossy().into_owned());
     let text = places.files.text_of(path, &["csv"]).map_err(|error| {
         (

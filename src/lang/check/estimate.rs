@@ -6,7 +6,7 @@ use super::estimate_claim::{bad, claim, suffices};
 use super::exposure::exposure;
 use super::literal;
 use super::metric::metric_reference;
-use super::places::Places;
+use super::places::TextPlaces;
 use super::subject::{StatementSubject, Subjects};
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
@@ -26,7 +26,7 @@ pub fn estimate(
     node: ast::Estimate,
     subjects: &Subjects,
     scope: &NameScope,
-    places: &Places,
+    places: &TextPlaces,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Estimate> {
     let (name, block) = (node.name(), node.block());

@@ -2,7 +2,7 @@
 
 use super::criterion;
 use super::exposure::{THOUSAND_KILOMETRES, distance};
-use super::places::Places;
+use super::places::TextPlaces;
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
@@ -24,7 +24,7 @@ pub fn claim(
     exposure: Option<&Exposure>,
     is_compared: bool,
     scope: &NameScope,
-    places: &Places,
+    places: &TextPlaces,
     report: &mut Vec<Diagnostic>,
 ) -> Option<EstimateClaim> {
     let (of, what) = if node.is_difference() {

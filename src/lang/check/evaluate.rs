@@ -7,7 +7,7 @@ use super::block::{Layer, missing, reject_repeats};
 use super::comparison::bound_in;
 use super::experiment::{SummedUp, Takes, fresh_seeds, reject_unmeant, summed_up, target};
 use super::literal;
-use super::places::Places;
+use super::places::TextPlaces;
 use super::subject::{StatementSubject, Subjects, case_set};
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
@@ -26,7 +26,7 @@ pub fn evaluate(
     node: ast::Evaluate,
     subjects: &Subjects,
     scope: &NameScope,
-    places: &Places,
+    places: &TextPlaces,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Evaluate> {
     let (name, block) = (node.name(), node.block());
@@ -118,7 +118,7 @@ fn condition(
     (subjects, subject): (&Subjects, &StatementSubject),
     scope: &NameScope,
     given_in: &mut Vec<(Target, Notation)>,
-    places: &Places,
+    places: &TextPlaces,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Condition> {
     let alias = node.alias().map(ast::Alias::name);
@@ -159,7 +159,7 @@ fn by_name(
     name: ast::Name,
     subjects: &Subjects,
     subject: &StatementSubject,
-    places: &Places,
+    places: &TextPlaces,
     report: &mut Vec<Diagnostic>,
 ) -> Option<ParameterSet> {
     if name.text() == DEFAULT {

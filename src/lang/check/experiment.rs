@@ -11,7 +11,7 @@ use super::keep;
 use super::literal;
 use super::metric::{self, Cast};
 use super::pedestrian::individuals;
-use super::places::Places;
+use super::places::TextPlaces;
 use super::subject::{StatementSubject, Subjects, case_set, declarations, groups};
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
@@ -33,7 +33,7 @@ pub fn search(
     node: ast::Search,
     subjects: &Subjects,
     scope: &NameScope,
-    places: &Places,
+    places: &TextPlaces,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Search> {
     let (name, block) = (node.name(), node.block());
@@ -107,7 +107,7 @@ pub fn tune(
     node: ast::Tune,
     subjects: &Subjects,
     scope: &NameScope,
-    places: &Places,
+    places: &TextPlaces,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Tune> {
     let (name, block) = (node.name(), node.block());
@@ -369,7 +369,7 @@ fn ranges<'t>(
     (name, what): (Span, &str),
     subject: &StatementSubject,
     scope: &NameScope,
-    places: &Places,
+    places: &TextPlaces,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Vec<SearchRange>> {
     let nodes: Vec<ast::OverRange> = over.flat_map(ast::Over::ranges).collect();
@@ -418,7 +418,7 @@ fn range(
     node: ast::OverRange,
     subject: &StatementSubject,
     scope: &NameScope,
-    places: &Places,
+    places: &TextPlaces,
     report: &mut Vec<Diagnostic>,
 ) -> Option<SearchRange> {
     let target_node = node.target();

@@ -1,7 +1,7 @@
 //! `exposure …` of an estimate: how many encounters there are along a distance.
 
 use super::criterion;
-use super::places::Places;
+use super::places::TextPlaces;
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
@@ -31,7 +31,7 @@ pub fn distance(node: ast::Expression, scope: &NameScope, report: &mut Vec<Diagn
 pub fn exposure(
     node: ast::Exposure,
     scope: &NameScope,
-    places: &Places,
+    places: &TextPlaces,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Exposure> {
     let numbers: Vec<ast::Expression> = node.numbers().collect();

@@ -5,7 +5,7 @@ use super::criterion;
 use super::literal;
 use super::metric::Cast;
 use super::metric::metric_reference;
-use super::places::Places;
+use super::places::TextPlaces;
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
 use crate::syntax;
@@ -28,7 +28,7 @@ pub fn gate(
     node: ast::Gate,
     cast: &Cast,
     scope: &NameScope,
-    places: &Places,
+    places: &TextPlaces,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Gate> {
     let (name, block) = (node.name(), node.block());
@@ -79,7 +79,7 @@ fn rule(
     node: ast::GateRule,
     cast: &Cast,
     scope: &NameScope,
-    places: &Places,
+    places: &TextPlaces,
     report: &mut Vec<Diagnostic>,
 ) -> Option<GateRule> {
     let primary = node.primary().is_some();
@@ -241,7 +241,7 @@ fn none_new(
     primary: bool,
     cast: &Cast,
     scope: &NameScope,
-    places: &Places,
+    places: &TextPlaces,
     report: &mut Vec<Diagnostic>,
 ) -> Option<GateRule> {
     let metric = node.metric();

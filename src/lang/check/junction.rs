@@ -2,7 +2,7 @@
 
 use super::block::{Layer, last};
 use super::book::Book;
-use super::places::Places;
+use super::places::TextPlaces;
 use super::road::{DeclaredRoad, road, write_cross_section};
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
@@ -14,7 +14,7 @@ use crate::write::{BlockText, constant};
 use scenario::{DeclaredOtherRoad, DeclaredPiece, Dimension, Road};
 
 /// Checks a road with a name, whoever uses it.
-pub fn check_road(definition: NameDefinition, places: &Places, report: &mut Vec<Diagnostic>) {
+pub fn check_road(definition: NameDefinition, places: &TextPlaces, report: &mut Vec<Diagnostic>) {
     let found = defined_road(definition, places, &mut Book::default(), report);
     let Some(over) = found.and_then(|found| found.over) else { return };
     let names = &places.files.names(definition.file).roads;
@@ -41,7 +41,7 @@ pub fn check_road(definition: NameDefinition, places: &Places, report: &mut Vec<
 /// A road with a name. Its mistakes are reported where it is defined, whoever uses it.
 pub fn defined_road(
     definition: NameDefinition,
-    places: &Places,
+    places: &TextPlaces,
     written: &mut Book,
     report: &mut Vec<Diagnostic>,
 ) -> Option<DeclaredRoad> {
@@ -75,7 +75,7 @@ pub fn lies_over_another(name: &str, under: &str, chosen: Span) -> Diagnostic {
 pub fn other_roads(
     vehicles: &[(ast::Name, Vec<Layer<ast::VehicleBlock>>)],
     main: Option<&Road>,
-    places: &Places,
+    places: &TextPlaces,
     written: &mut Book,
     report: &mut Vec<Diagnostic>,
 ) -> Vec<DeclaredOtherRoad> {
@@ -132,7 +132,7 @@ pub fn other_roads(
 }
 
 /// The file in which something stands.
-fn file_of(span: Span, places: &Places) -> Option<FileId> {
+fn file_of(span: Span, places: &TextPlaces) -> Option<FileId> {
     places.files.ids().find(|file| places.files.tree(*file).source == span.source)
 }
 

@@ -54,7 +54,7 @@ pub use gate::gate;
 pub use junction::check_road;
 pub use literal::{doc, tags, whole};
 pub use metric::Cast;
-pub use places::Places;
+pub use places::TextPlaces;
 pub use rated_cells::RatedScenarios;
 pub use rating::rating;
 pub use road_settings::{bus, crossings, obstacle, over, parked_row, turn};

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::block::Said;
-use super::places::Places;
+use super::places::TextPlaces;
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
 use crate::settings;
@@ -40,7 +40,7 @@ pub struct Named<T> {
 pub fn named<T: Registered>(
     said: Said<ast::Named>,
     kind: &ModelKind<T>,
-    places: &Places,
+    places: &TextPlaces,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Named<T>> {
     let name = said.node.name();

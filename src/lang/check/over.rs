@@ -1,7 +1,7 @@
 //! `over main { … }`: which road another lies over, and where.
 
 use super::book::Book;
-use super::places::Places;
+use super::places::TextPlaces;
 use super::road_settings::over as declaration;
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
@@ -32,7 +32,7 @@ pub fn over(
     (block, known_as): (ast::RoadBlock, &str),
     pieces: Option<Option<Vec<DeclaredPiece>>>,
     scope: &NameScope,
-    places: &Places,
+    places: &TextPlaces,
     written: &mut Book,
     report: &mut Vec<Diagnostic>,
 ) -> Option<SaidOver> {

@@ -7,7 +7,7 @@ use super::book::Book;
 use super::defaults::Defaults;
 use super::literal;
 use super::model::{ModelKind, named};
-use super::places::Places;
+use super::places::TextPlaces;
 use super::vehicle::{size, write_signals};
 use super::way::Way;
 use crate::codes::Code;
@@ -40,7 +40,7 @@ pub fn pedestrian(
     layers: &[Layer<ast::PedestrianBlock>],
     road: Option<&Road>,
     vehicles: &[&str],
-    places: &Places,
+    places: &TextPlaces,
     written: &mut Book,
     report: &mut Vec<Diagnostic>,
 ) -> Option<DeclaredPedestrian> {
@@ -245,7 +245,7 @@ fn waits_on_refuges(
     said: Said<ast::Waits>,
     models: &[Arc<PedestrianModel>],
     road: Option<&Road>,
-    places: &Places,
+    places: &TextPlaces,
     report: &mut Vec<Diagnostic>,
 ) -> Option<()> {
     let mut wrong = |message: String, label: &str, hint: String| {
@@ -271,7 +271,7 @@ fn waits_on_refuges(
     Some(())
 }
 
-fn models<'a>(places: &'a Places) -> ModelKind<'a, PedestrianModel> {
+fn models<'a>(places: &'a TextPlaces) -> ModelKind<'a, PedestrianModel> {
     ModelKind {
         code: Code::UnknownModel,
         what: "model",
@@ -284,7 +284,7 @@ fn models<'a>(places: &'a Places) -> ModelKind<'a, PedestrianModel> {
 pub fn individuals(
     said: Said<ast::Individuals>,
     models: &[Arc<PedestrianModel>],
-    places: &Places,
+    places: &TextPlaces,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Individuals> {
     let node = said.node;
@@ -322,7 +322,10 @@ pub fn individuals(
 }
 
 /// What a population is called, with the text of its file.
-pub fn individuals_of(node: ast::Population, places: &Places) -> (String, Option<Result<Arc<str>, String>>) {
+pub fn individuals_of(
+    node: ast::Population,
+    places: &TextPlaces,
+) -> (String, Option<Result<Arc<str>, String>>) {
     let path = node.path();
     let population = match path {
         Some(path) => places.beside(path.span(), &path.value()),
@@ -335,7 +338,7 @@ pub fn individuals_of(node: ast::Population, places: &Places) -> (String, Option
 fn shape(
     said: Said<ast::Shape>,
     name: &str,
-    places: &Places,
+    places: &TextPlaces,
     written: &mut Book,
     report: &mut Vec<Diagnostic>,
 ) -> Option<DeclaredShape> {

@@ -8,11 +8,11 @@ use scenario::Origin;
 
 /// Where things were said.
 #[derive(Clone, Copy)]
-pub struct Places<'a> {
+pub struct TextPlaces<'a> {
     pub files: &'a Texts<'a>,
 }
 
-impl Places<'_> {
+impl TextPlaces<'_> {
     pub fn origin(&self, span: Span) -> Origin {
         self.files.sources.origin(span)
     }

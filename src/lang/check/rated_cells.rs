@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, HashMap};
 
 use super::criterion::{self, From};
-use super::places::Places;
+use super::places::TextPlaces;
 use super::scenario::surroundings;
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
@@ -34,7 +34,7 @@ impl<'a> RatedScenarios<'a> {
         self.scenarios.iter().filter(earns)
     }
 
-    fn definition(&self, scenario: &Scenario, places: &Places) -> Option<NameDefinition> {
+    fn definition(&self, scenario: &Scenario, places: &TextPlaces) -> Option<NameDefinition> {
         let is_its_own = |one: &&NameDefinition| places.files.scenario(**one).name().text() == scenario.name;
         self.definitions.iter().find(is_its_own).copied()
     }
@@ -100,7 +100,7 @@ pub fn conditions(
     points: &[(Span, TagPoints)],
     rated: &RatedScenarios,
     scope: &NameScope,
-    places: &Places,
+    places: &TextPlaces,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Vec<Option<Vec<VariationCondition>>>> {
     let before = report.len();

@@ -3,7 +3,7 @@
 use super::block::{Layer, missing, reject_repeats};
 use super::literal;
 use super::metric::{Cast, kind_name, metric_reference};
-use super::places::Places;
+use super::places::TextPlaces;
 use super::rated_cells::{self, RatedScenarios};
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
@@ -24,7 +24,7 @@ pub fn rating(
     rated: &RatedScenarios,
     cast: &Cast,
     scope: &NameScope,
-    places: &Places,
+    places: &TextPlaces,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Rating> {
     let (name, block) = (node.name(), node.block());
@@ -244,7 +244,7 @@ fn criterion(
     node: ast::PointsCriterion,
     rating: &Rating,
     scope: &NameScope,
-    places: &Places,
+    places: &TextPlaces,
     report: &mut Vec<Diagnostic>,
 ) -> Option<PointsCriterion> {
     let tag = node.tag();

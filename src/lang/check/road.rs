@@ -6,7 +6,7 @@ use super::bend;
 use super::block::{Layer, missing, reject_repeats};
 use super::book::Book;
 use super::over::{SaidOver, over};
-use super::places::Places;
+use super::places::TextPlaces;
 use super::road_settings::{OF_SIGNAL, bus, obstacle, parked_row, signalised, unmarked, zebra};
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
@@ -39,7 +39,7 @@ pub fn road(
     span: Span,
     block: ast::RoadBlock,
     scope: &NameScope,
-    places: &Places,
+    places: &TextPlaces,
     written: &mut Book,
     report: &mut Vec<Diagnostic>,
 ) -> Option<DeclaredRoad> {
@@ -198,7 +198,7 @@ fn medians(
 fn other_crossing(
     node: ast::OtherCrossing,
     scope: &NameScope,
-    places: &Places,
+    places: &TextPlaces,
     written: &mut Book,
     report: &mut Vec<Diagnostic>,
 ) -> Option<(OtherCrossing, DeclaredPlace)> {
@@ -260,7 +260,7 @@ fn crossings_named_once(
 fn ground(
     (block, road): (ast::RoadBlock, &str),
     scope: &NameScope,
-    places: &Places,
+    places: &TextPlaces,
     written: &mut Book,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Option<DeclaredGround>> {

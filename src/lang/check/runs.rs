@@ -3,7 +3,7 @@
 use super::block::{Layer, last};
 use super::defaults::Defaults;
 use super::literal;
-use super::places::Places;
+use super::places::TextPlaces;
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
@@ -24,7 +24,7 @@ pub struct Runs {
 pub fn runs(
     layers: &[Layer<ast::ScenarioBlock>],
     criteria: &[(Span, Criterion)],
-    places: &Places,
+    places: &TextPlaces,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Runs> {
     let (repeat, budget) = match last(layers, ast::ScenarioBlock::run_count).map(|said| said.node) {
@@ -59,7 +59,7 @@ pub fn reject_both(block: ast::ScenarioBlock, report: &mut Vec<Diagnostic>) {
 }
 
 /// `runs 50 .. 2000`
-fn budget(node: ast::Runs, places: &Places, report: &mut Vec<Diagnostic>) -> Option<RunBudget> {
+fn budget(node: ast::Runs, places: &TextPlaces, report: &mut Vec<Diagnostic>) -> Option<RunBudget> {
     let mut ends = node.ends();
     let mut end = |what: &str, least: u32| literal::count(ends.next()?, least, MOST_RUNS, what, report);
     let least = end("the smallest number of runs", 1)?;

@@ -11,7 +11,7 @@ use super::junction::{defined_road, lies_over_another, other_roads, write_other_
 use super::literal;
 use super::metric::Cast;
 use super::pedestrian::{Described, pedestrian, write_pedestrian};
-use super::places::Places;
+use super::places::TextPlaces;
 use super::road::{DeclaredRoad, road, write_road};
 use super::same_as::check_same_as;
 use super::vehicle::{check_starts, vehicle, write_vehicle};
@@ -39,7 +39,7 @@ pub struct SuiteCriteria<'a> {
 /// The checked scenario at `definition`, with the suite's criteria added to its own.
 pub fn scenario(
     definition: NameDefinition,
-    places: &Places,
+    places: &TextPlaces,
     added: Option<SuiteCriteria>,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Scenario> {
@@ -222,7 +222,7 @@ pub fn scenario(
 }
 
 /// The variations of a scenario that was checked before, by name.
-pub fn surroundings(definition: NameDefinition, places: &Places) -> Option<HashMap<String, Binding>> {
+pub fn surroundings(definition: NameDefinition, places: &TextPlaces) -> Option<HashMap<String, Binding>> {
     let mut known = Vec::new();
     let chain = chain(definition, places, &mut known)?;
     let scopes = parameter_scopes(&chain, places, &mut known)?;
@@ -236,7 +236,7 @@ pub fn surroundings(definition: NameDefinition, places: &Places) -> Option<HashM
 fn layers<'a>(
     chain: &[NameDefinition],
     scopes: &'a [NameScope<'a>],
-    places: &Places<'a>,
+    places: &TextPlaces<'a>,
 ) -> Vec<Layer<'a, ast::ScenarioBlock<'a>>> {
     let block = |definition: &NameDefinition| places.files.scenario(*definition).block();
     chain.iter().zip(scopes).map(|(definition, scope)| Layer { block: block(definition), scope }).collect()
@@ -245,7 +245,7 @@ fn layers<'a>(
 /// What a scenario builds on, the base first and itself last.
 fn chain(
     definition: NameDefinition,
-    places: &Places,
+    places: &TextPlaces,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Vec<NameDefinition>> {
     let mut chain = vec![definition];
@@ -287,7 +287,7 @@ fn chain(
 /// The names of each layer before variations: those of its file and its parameters.
 fn parameter_scopes<'a>(
     chain: &[NameDefinition],
-    places: &Places<'a>,
+    places: &TextPlaces<'a>,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Vec<NameScope<'a>>> {
     // Arguments are said by the layer after, so the last layer comes first.
@@ -398,7 +398,7 @@ fn scenario_road(
     chain: &[NameDefinition],
     layers: &[Layer<ast::ScenarioBlock>],
     name: ast::Name,
-    places: &Places,
+    places: &TextPlaces,
     written: &mut Book,
     report: &mut Vec<Diagnostic>,
 ) -> Option<DeclaredRoad> {

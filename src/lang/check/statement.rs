@@ -3,7 +3,7 @@
 use super::block::reject_repeats;
 use super::claim::claim;
 use super::literal;
-use super::places::Places;
+use super::places::TextPlaces;
 use super::subject::Subjects;
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
@@ -16,7 +16,7 @@ pub fn statement(
     node: ast::Statement,
     subjects: &Subjects,
     scope: &NameScope,
-    places: &Places,
+    places: &TextPlaces,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Statement> {
     let (name, block) = (node.name(), node.block());

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::literal;
 use super::metric::Cast;
-use super::places::Places;
+use super::places::TextPlaces;
 use super::scenario::surroundings;
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
@@ -82,7 +82,7 @@ impl<'a> Subjects<'a> {
         place: Span,
         text: &str,
         also: &[&str],
-        places: &Places,
+        places: &TextPlaces,
         report: &mut Vec<Diagnostic>,
     ) -> Option<StatementSubject<'a>> {
         if !self.scenario_names(places).any(|known| known == text) {
@@ -98,12 +98,12 @@ impl<'a> Subjects<'a> {
         self.known(text, places)
     }
 
-    pub fn scenario_names<'p>(&'p self, places: &'p Places) -> impl Iterator<Item = &'p str> {
+    pub fn scenario_names<'p>(&'p self, places: &'p TextPlaces) -> impl Iterator<Item = &'p str> {
         self.definitions.iter().map(|definition| places.files.scenario(*definition).name().text())
     }
 
     /// The scenario of that name, if there is one without mistakes.
-    fn known(&self, name: &str, places: &Places) -> Option<StatementSubject<'a>> {
+    fn known(&self, name: &str, places: &TextPlaces) -> Option<StatementSubject<'a>> {
         let scenario = self.scenarios.into_iter().flatten().find(|scenario| scenario.name == name)?;
         let definition = self
             .definitions
@@ -115,14 +115,14 @@ impl<'a> Subjects<'a> {
     }
 
     /// The scenario of a search, varied as it was searched.
-    pub fn found_by(&self, search: &Search, places: &Places) -> Option<StatementSubject<'a>> {
+    pub fn found_by(&self, search: &Search, places: &TextPlaces) -> Option<StatementSubject<'a>> {
         let mut subject = self.known(&search.scenario, places)?;
         search.over.iter().for_each(|range| subject.searched_over(range));
         Some(subject)
     }
 
     /// What the cases of a set are of.
-    pub fn of(&self, set: &CaseSet, places: &Places) -> Option<StatementSubject<'a>> {
+    pub fn of(&self, set: &CaseSet, places: &TextPlaces) -> Option<StatementSubject<'a>> {
         match set {
             CaseSet::Search(name) | CaseSet::Bests(name) => self.found_by(self.searches.find(name)?, places),
             CaseSet::Scenario(name) | CaseSet::Sample { scenario: name, .. } => self.known(name, places),
@@ -193,7 +193,7 @@ impl StatementSubject<'_> {
 pub fn case_set<'a>(
     node: ast::OnCases,
     subjects: &Subjects<'a>,
-    places: &Places,
+    places: &TextPlaces,
     report: &mut Vec<Diagnostic>,
 ) -> Option<(CaseSet, StatementSubject<'a>)> {
     let set = said_set(node, subjects, places, report)?;
@@ -211,7 +211,7 @@ pub fn case_set<'a>(
 fn said_set(
     node: ast::OnCases,
     subjects: &Subjects,
-    places: &Places,
+    places: &TextPlaces,
     report: &mut Vec<Diagnostic>,
 ) -> Option<CaseSet> {
     if let Some(path) = node.path() {
@@ -260,7 +260,7 @@ fn said_set(
 fn drawn(
     name: ast::Name,
     subjects: &Subjects,
-    places: &Places,
+    places: &TextPlaces,
     report: &mut Vec<Diagnostic>,
 ) -> Option<String> {
     if subjects.searches.has(name.text()) {
@@ -286,7 +286,7 @@ pub fn unknown_search(name: ast::Name, subjects: &Subjects) -> Diagnostic {
 }
 
 /// The scenario that the first case of a saved set is of.
-fn saved_scenario(path: &str, places: &Places) -> Option<String> {
+fn saved_scenario(path: &str, places: &TextPlaces) -> Option<String> {
     let text = places.files.text_of(path, &["json"]).ok()?;
     let set: serde_json::Value = serde_json::from_str(&text).ok()?;
     Some(set["cases"][0]["scenario"].as_str()?.to_string())

@@ -1,6 +1,6 @@
 //! `test NAME as VEHICLE`: whether what is put in the place of controllers is put there, and what was there.
 
-use super::places::Places;
+use super::places::TextPlaces;
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
 use crate::syntax::{ast, phrase};
@@ -8,7 +8,7 @@ use scenario::{Scenario, TestedInstead};
 
 /// What is tested in the place of others, once the scenarios are checked, of which everything is said that is wrong.
 pub fn tested<'s>(
-    places: &Places,
+    places: &TextPlaces,
     scenarios: impl Iterator<Item = &'s Scenario> + Clone,
     report: &mut Vec<Diagnostic>,
 ) -> Vec<TestedInstead> {
@@ -77,7 +77,7 @@ pub fn tested<'s>(
 }
 
 /// A value that is set for the controller that is replaced would be lost.
-fn set_besides(node: ast::Tested, places: &Places, report: &mut Vec<Diagnostic>) {
+fn set_besides(node: ast::Tested, places: &TextPlaces, report: &mut Vec<Diagnostic>) {
     let (vehicle, controller) = (node.vehicle().name().text(), node.name().text());
     for one in places.files.overrides.all() {
         let part = one.name.strip_prefix(vehicle).and_then(|rest| rest.strip_prefix(".controller"));

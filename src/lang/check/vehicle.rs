@@ -3,7 +3,7 @@
 use super::block::{Layer, Said, exclude, last, missing, reject_repeats};
 use super::book::Book;
 use super::model::{self, Named, named};
-use super::places::Places;
+use super::places::TextPlaces;
 use super::same_as::{SameAs, same_as};
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
@@ -22,7 +22,7 @@ pub fn vehicle(
     name: ast::Name,
     layers: &[Layer<ast::VehicleBlock>],
     roads: (Option<&Road>, &[DeclaredOtherRoad]),
-    places: &Places,
+    places: &TextPlaces,
     written: &mut Book,
     alike: &mut Vec<SameAs>,
     report: &mut Vec<Diagnostic>,
@@ -148,7 +148,7 @@ fn driven_on<'a>(
 fn follows(
     said: Said<ast::Follows>,
     name: &str,
-    places: &Places,
+    places: &TextPlaces,
     written: &mut Book,
     report: &mut Vec<Diagnostic>,
 ) -> Option<DeclaredFollowing> {
@@ -159,7 +159,7 @@ fn follows(
     Some(DeclaredFollowing::Behind(behind.expression))
 }
 
-fn controllers<'a>(places: &'a Places) -> model::ModelKind<'a, ControllerModel> {
+fn controllers<'a>(places: &'a TextPlaces) -> model::ModelKind<'a, ControllerModel> {
     model::ModelKind {
         code: Code::UnknownController,
         what: "controller",
@@ -174,7 +174,7 @@ fn instead<'a>(
     vehicle: ast::Name,
     node: ast::Tested<'a>,
     scope: &'a NameScope<'a>,
-    places: &Places,
+    places: &TextPlaces,
     report: &mut Vec<Diagnostic>,
 ) -> Option<Named<ControllerModel>> {
     if let Some(variation) = &own.model.varied_by {
@@ -200,7 +200,7 @@ fn instead<'a>(
 
 /// Whether a controller that some file declares is one that the file sees which names it; those that a variation lists may come
 /// from wherever that stands.
-fn is_visible(named: &Named<ControllerModel>, places: &Places, report: &mut Vec<Diagnostic>) -> bool {
+fn is_visible(named: &Named<ControllerModel>, places: &TextPlaces, report: &mut Vec<Diagnostic>) -> bool {
     let own = named.found.first().and_then(|found| found.program.as_ref());
     let Some(program) = own.filter(|_| named.model.varied_by.is_none()) else { return true };
     let files = places.files;
@@ -220,7 +220,7 @@ fn is_visible(named: &Named<ControllerModel>, places: &Places, report: &mut Vec<
     false
 }
 
-fn all_dynamics<'a>(places: &'a Places) -> model::ModelKind<'a, DynamicsModel> {
+fn all_dynamics<'a>(places: &'a TextPlaces) -> model::ModelKind<'a, DynamicsModel> {
     model::ModelKind {
         code: Code::UnknownDynamics,
         what: "dynamics",
@@ -233,7 +233,7 @@ fn all_dynamics<'a>(places: &'a Places) -> model::ModelKind<'a, DynamicsModel> {
 fn check_fit(
     controllers: &Named<ControllerModel>,
     dynamics: &Named<DynamicsModel>,
-    places: &Places,
+    places: &TextPlaces,
     report: &mut Vec<Diagnostic>,
 ) {
     if controllers.model.varied_by.is_some() && dynamics.model.varied_by.is_some() {

@@ -27,6 +27,24 @@ pub trait Executor: Sync {
     }
 }
 
+impl<E: Executor + ?Sized> Executor for &E {
+    fn run(&self, round: &mut dyn Round) {
+        (**self).run(round);
+    }
+
+    fn parallelism(&self) -> usize {
+        (**self).parallelism()
+    }
+
+    fn program_uses(&self) -> Vec<ProgramUse> {
+        (**self).program_uses()
+    }
+
+    fn host(&self, work: &mut (dyn FnMut() + Send)) {
+        (**self).host(work);
+    }
+}
+
 /// Runs of which none has to wait for what another one comes to.
 pub trait Round: Send {
     /// A run that may be made now; `None` if there is none, at least until another one is done.

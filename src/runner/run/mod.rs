@@ -11,6 +11,7 @@ mod encoding;
 mod executor;
 mod first_runs;
 mod free_flow;
+mod from_results;
 mod job;
 mod lockstep;
 mod name;
@@ -18,6 +19,7 @@ mod panic;
 mod program_run;
 mod rehearsal;
 mod remembered;
+mod run_digest;
 mod sequence;
 mod serialised;
 mod shuffled;
@@ -36,6 +38,7 @@ pub use encoding::{DecodingError, EncodedBy};
 pub use executor::{Executor, Round};
 pub use first_runs::{FirstRun, FirstRuns, VerifyRuns};
 pub use free_flow::FreeFlows;
+pub use from_results::{AbsentRuns, FromResults, RunResults, StoredRun};
 pub use job::{
     Done, Job, JobFailure, JobPlace, LoggedDecision, MeasuredMetrics, Ran, Wanted, WentDifferently, programs,
     went_differently,
@@ -43,6 +46,7 @@ pub use job::{
 pub use panic::{Panicked, note_places};
 pub(crate) use rehearsal::{Obstacle, Rehearsal, Stage, rehearse, rehearse_trials};
 pub(crate) use remembered::Remembered;
+pub use run_digest::{RunDigest, RunDigests};
 pub(crate) use sequence::{Sequence, Sequences, run_sequences};
 pub use serialised::Serialised;
 pub use shuffled::Shuffled;

@@ -175,12 +175,12 @@ impl<'a> Runner<'a> {
     }
 
     /// The runs of a suite that are made a second time.
-    pub(super) fn first_runs(&self, suite: usize) -> &FirstRuns {
+    pub(crate) fn first_runs(&self, suite: usize) -> &FirstRuns {
         &self.contexts[suite].first_runs
     }
 
     /// A run of a unit.
-    pub(super) fn job(&self, place: JobPlace, case: Case, wanted: Wanted) -> Job {
+    pub(crate) fn job(&self, place: JobPlace, case: Case, wanted: Wanted) -> Job {
         let wanted = self.wanted(wanted);
         Job { place, case, measured: self.measured.clone(), wanted, alone: false, change: None }
     }

@@ -36,7 +36,7 @@ pub enum Work<'a> {
 
 impl Unit<'_> {
     /// The trial that it is, if it is one.
-    pub(super) fn trial(self) -> Option<PlannedTrial> {
+    pub(crate) fn trial(self) -> Option<PlannedTrial> {
         match self.work {
             Work::Trial(trial) => Some(trial),
             Work::Recorded(_) | Work::Block(_) => None,

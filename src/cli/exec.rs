@@ -1,0 +1,153 @@
+//! `scenario-runner exec MANIFEST --results DIR`: the runs of a share of a plan.
+
+use std::path::{Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use clap::Args;
+use serde_json::json;
+
+use super::interrupt::stop_on_interrupt;
+use super::planned::{PlannedProject, is_known_whole, permission_digest, said};
+use super::programs::ProgramArguments;
+use super::run::conduct::Colour;
+use super::run::partition::Partition;
+use super::{Exit, number};
+use report::console::{stderr, stdout};
+use runner::session;
+use runner::shards::{BatchProgress, Executed, Execution, Planner, UnitBatch, canary};
+use scenario::registry::Registry;
+
+/// Makes the runs of a share of a plan and writes what came of them: a file for each batch, of about a second of work. Nothing is judged.
+///
+/// A batch that is there is left alone, so that the same command goes on where it was killed; several may write into one folder, also the same
+/// batches. Without `--partition` it is the whole plan.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Exit code 0 says that all results of the share are there, whatever they are; `merge` judges.
+
+Examples:
+  scenario-runner exec manifest.jsonl --results results                             all of it
+  scenario-runner exec manifest.jsonl --partition slice:3/40 --results results      share 3 of 40")]
+pub struct ExecArguments {
+    /// What `plan` wrote.
+    #[arg(value_name = "MANIFEST")]
+    manifest: PathBuf,
+
+    /// The share: `slice:3/40` takes every fortieth batch, `hash:3/40` chooses by their digests.
+    #[arg(long, value_name = "slice:M/N|hash:M/N")]
+    partition: Option<Partition>,
+
+    /// Where the results go.
+    #[arg(long, value_name = "DIR")]
+    results: PathBuf,
+
+    /// Number of threads, at most 1024 [default: one per core]. Results do not depend on it.
+    #[arg(long, short = 'j', visible_alias = "jobs", value_name = "N", value_parser = number::threads())]
+    test_threads: Option<usize>,
+
+    #[command(flatten)]
+    programs: ProgramArguments,
+
+    /// Let the programs of the plan run if they are those that had this digest when it was made, as `plan` printed it.
+    #[arg(long, value_name = "DIGEST", conflicts_with = "allow_run")]
+    allow_run_digest: Option<String>,
+
+    /// Leave batches alone that are there, though commands decide in them: what else such a program reads than the files that its declaration
+    /// names nobody knows.
+    #[arg(long)]
+    reuse: bool,
+
+    /// When to use colours.
+    #[arg(long, value_enum, default_value_t = Colour::Auto)]
+    color: Colour,
+}
+
+pub fn exec(arguments: &ExecArguments, registry: &Registry) -> Exit {
+    executed(arguments, registry).unwrap_or_else(|exit| exit)
+}
+
+fn executed(arguments: &ExecArguments, registry: &Registry) -> Result<Exit, Exit> {
+    let colour = arguments.color.wanted(stderr());
+    let planned = PlannedProject::open(&arguments.manifest, colour, registry)?;
+    let permission = arguments.permission(&planned)?;
+    let suites = planned.project.suites();
+    let threads = permission.threads(arguments.test_threads, suites.iter().map(|one| &one.suite))?;
+    let canary = canary(registry).map_err(|error| said(&error))?;
+    let units = session::units(suites);
+    let planner =
+        Planner::new(&planned.project, &units, &threads, &planned.digests).map_err(|error| said(&error))?;
+    if let Err(error) = files::make_folder(&arguments.results) {
+        writeln!(stderr(), "error: cannot create the folder {}: {error}", arguments.results.display());
+        return Err(Exit::Output);
+    }
+    let stop = stop_on_interrupt();
+    let mine = |number: usize, id: &str| arguments.partition.is_none_or(|share| share.holds(number, id));
+    let execution = Execution {
+        planner: &planner,
+        manifest: &planned.manifest,
+        executor: &threads,
+        verify: planned.verify.runs(),
+        folder: &arguments.results,
+        mine: &mine,
+        reuse: arguments.reuse || planned.programs.iter().all(|(program, _)| is_known_whole(program)),
+        canary: &canary,
+        stop: &stop,
+    };
+    let log = WorkLog::new(&arguments.results);
+    let Executed { made, skipped, runs } =
+        execution.run(&|batch, progress| log.note(batch, progress)).map_err(|error| said(&error))?;
+    let there = if skipped > 0 { format!(", {skipped} were there") } else { String::new() };
+    writeln!(stdout(), "{}: made {made} batches of {runs} runs{there}", arguments.results.display());
+    Ok(Exit::Success)
+}
+
+impl ExecArguments {
+    /// What is allowed to run: a manifest by itself allows nothing.
+    fn permission(&self, planned: &PlannedProject) -> Result<ProgramArguments, Exit> {
+        let Some(allowed) = &self.allow_run_digest else { return Ok(self.programs.clone()) };
+        let found = permission_digest(&planned.manifest.header().programs);
+        if *allowed == found {
+            return Ok(ProgramArguments::everything());
+        }
+        writeln!(stderr(), "error: `--allow-run-digest`: the programs of this plan have the digest {found}");
+        Err(Exit::Usage)
+    }
+}
+
+/// What depends on clocks and machines, beside the results.
+struct WorkLog {
+    path: PathBuf,
+    host: String,
+}
+
+impl WorkLog {
+    fn new(results: &Path) -> Self {
+        let host = host();
+        Self { path: results.join("log").join(format!("{host}.{}.jsonl", std::process::id())), host }
+    }
+
+    fn note(&self, batch: &UnitBatch, progress: BatchProgress) {
+        let line = match progress {
+            BatchProgress::Skipped => return,
+            BatchProgress::Damaged(why) => {
+                writeln!(stderr(), "warning: {why}; it is made again");
+                json!({ "damaged": why })
+            }
+            BatchProgress::Made { runs, took } => json!({ "runs": runs, "seconds": took.as_secs_f64() }),
+        };
+        let at = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0.0, |since| since.as_secs_f64());
+        let line = json!({ "batch": batch.id, "host": self.host, "pid": std::process::id(), "at": at, "what": line });
+        // Nothing depends on it.
+        let folder = self.path.parent().map_or(Ok(()), files::make_folder);
+        let _ = folder.and_then(|()| files::append_text(&self.path, &format!("{line}\n")));
+    }
+}
+
+/// As this machine calls itself.
+fn host() -> String {
+    let name = std::env::var("HOSTNAME").ok().or_else(|| files::read_text(Path::new("/etc/hostname")).ok());
+    let name = name.unwrap_or_default();
+    let name: String =
+        name.trim().chars().filter(|one| one.is_ascii_alphanumeric() || matches!(one, '-' | '_')).collect();
+    if name.is_empty() { "host".to_string() } else { name }
+}

@@ -1,0 +1,117 @@
+//! `scenario-runner merge MANIFEST --results DIR`: judges the results of a plan, and writes the reports of one machine.
+
+use std::path::PathBuf;
+
+use clap::Args;
+
+use super::Exit;
+use super::interrupt::stop_on_interrupt;
+use super::planned::{PlannedProject, said};
+use super::run::conduct::{ConductOrders, Conducted, ShowArguments};
+use super::run::output::{self, OutputArguments};
+use super::run::{Deny, LastRun, in_github_actions, judged, targets};
+use report::console::stderr;
+use results::shell_word;
+use runner::run::{AbsentRuns, FromResults, Threads};
+use runner::session::{self, Selection};
+use runner::shards::{ResultFiles, chosen};
+use scenario::registry::Registry;
+
+/// Judges the results of a plan and writes the reports that one machine would have written, byte for byte but for wall times, with its exit
+/// codes. It makes no runs but those that reports draw, which must come to what they came to.
+///
+/// Results that are missing, cut off, of another build or another plan, or of which two say different things, are an error: nothing is judged
+/// then, and no report is written.
+#[derive(Debug, Args)]
+#[command(after_help = "\
+Examples:
+  scenario-runner merge manifest.jsonl --results results
+  scenario-runner merge manifest.jsonl --results results --junit junit.xml --html report.html")]
+pub struct MergeArguments {
+    /// What `plan` wrote.
+    #[arg(value_name = "MANIFEST")]
+    manifest: PathBuf,
+
+    /// Where the results of all shares are.
+    #[arg(long, value_name = "DIR")]
+    results: PathBuf,
+
+    #[command(flatten)]
+    output: OutputArguments,
+
+    #[command(flatten)]
+    show: ShowArguments,
+
+    /// What does not count as passed, though by itself it does.
+    #[arg(long, value_enum, value_name = "WHAT")]
+    deny: Vec<Deny>,
+}
+
+pub fn merge(arguments: MergeArguments, registry: &Registry) -> Exit {
+    merged(arguments, registry).unwrap_or_else(|exit| exit)
+}
+
+fn merged(arguments: MergeArguments, registry: &Registry) -> Result<Exit, Exit> {
+    let MergeArguments { manifest, results: folder, output: reports, show, deny } = arguments;
+    let planned = PlannedProject::open(&manifest, false, registry)?;
+    let conduct = show.conduct(planned.verify);
+    let suites = planned.project.suites();
+    let own = manifest.to_string_lossy();
+    let read: Vec<&str> = targets::read_by(suites).into_iter().chain([&*own]).collect();
+    if let Err(complaint) = targets::check(&reports.files(), &read) {
+        writeln!(stderr(), "error: {complaint}");
+        writeln!(stderr(), "help: name another file; nothing was written");
+        return Err(Exit::Usage);
+    }
+    let units = session::units(suites);
+    let chosen = chosen(&planned.manifest, &units).map_err(|error| said(&error))?;
+    let (manifest, shown) = (shell_word(&own), shell_word(&folder.to_string_lossy()));
+    let command = format!("`scenario-runner exec {manifest} --results {shown}`");
+    let files = ResultFiles::open(&folder, &planned.manifest, &command).map_err(|error| said(&error))?;
+    // Where programs decide, what reports draw is asked of them once more.
+    let threads = match reports.draw_runs() {
+        true => conduct.programs.threads(conduct.test_threads, suites.iter().map(|one| &one.suite))?,
+        false => conduct.test_threads.map_or_else(Threads::all, Threads::new),
+    };
+    let stop = stop_on_interrupt();
+    let asked = planned.programs.iter().filter_map(|(program, _)| {
+        Some((program.clone(), files.title(&program.name, &program.file)?.to_string()))
+    });
+    let executor = FromResults::new(&threads, &planned.digests, &files, AbsentRuns::Refused, &stop)
+        .with_programs(asked.collect());
+    let orders = ConductOrders {
+        project: &planned.project,
+        units: &units,
+        selection: Selection::marked(chosen),
+        executor: &executor,
+        stop: &stop,
+        watch: None,
+        courses: reports.draw_runs(),
+        every_trial: reports.need_every_trial(in_github_actions()),
+        is_repeated: false,
+        is_merged: true,
+    };
+    let Conducted { results, mut complaints, notices } = conduct.conduct(orders, &mut LastRun::read());
+    let troubles = executor.troubles();
+    for trouble in &troubles {
+        writeln!(stderr(), "error: {trouble}");
+    }
+    if !troubles.is_empty() {
+        writeln!(stderr(), "error: the results are not those of this plan: no report was written");
+        return Err(Exit::Usage);
+    }
+    if !stop.is_requested() {
+        complaints.extend(output::write(&reports, &results, in_github_actions()));
+    }
+    for notice in &notices {
+        writeln!(stderr(), "note: {notice}");
+    }
+    for complaint in &complaints {
+        writeln!(stderr(), "error: {complaint}");
+    }
+    Ok(match () {
+        () if stop.is_requested() => Exit::Interrupted,
+        () if !complaints.is_empty() => Exit::Output,
+        () => judged(&results, &deny),
+    })
+}

@@ -1,0 +1,431 @@
+//! Many machines come to what one comes to, or to nothing at all.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use tempfile::TempDir;
+
+use super::*;
+use crate::experiment::{EarlierResults, Silent};
+use crate::project::Project;
+use crate::run::{AbsentRuns, Executor, FromResults, Round, RunDigests, Shuffled, Stop, Threads, VerifyRuns};
+use crate::session::{Runner, Selection, Session, Work, measured_trials, units};
+use files::Disk;
+use models::standard;
+use results::{Results, Unheard, UnitReport};
+
+/// Trials of fixed and of open length, all of whose runs a gate compares.
+const GATED: &str = r#"suite everything {
+  seed 20261122
+  scenario walker {
+    road { lane_width 4 m; speed_limit 30 km/h; crossing zebra }
+    vehicle av { controller carla_behavior; speed 30 km/h }
+    pedestrian walker { model carla_walker; start 2 m from kerb; appears when time_to_arrival(av) = tta }
+    vary tta in [3 s, 4 s, 5 s]
+    repeat 12
+    expect { max_deceleration <= 2 m/s^2; no collision }
+  }
+  OPEN
+  gate braking { baseline "BASE"; no metric worse by more than 5 % with 95 % confidence }
+}
+"#;
+
+/// What builds on trials and on each other.
+const BLOCKS: &str = r#"search found {
+  in walker
+  minimise pet
+  over tta in 3 s .. 9 s
+  repeat 2
+  budget 6 evaluations, 3 random first
+}
+tune good {
+  on found
+  over av.controller.braking_distance in 4 m .. 12 m
+  minimise mean(time_lost)
+  subject to max_deceleration <= 3 m/s^2
+  stop early
+  budget 5 evaluations, 3 random first
+  compare with default
+}
+evaluate both {
+  on walker
+  with default, good
+}
+statement slower {
+  claim mean(pet) of walker > 0 s
+}
+"#;
+
+/// A trial that decides itself how many runs it is.
+const OPEN: &str = r#"scenario open {
+    road { lane_width 4 m; speed_limit 30 km/h; crossing zebra }
+    vehicle av { controller carla_behavior; speed 30 km/h }
+    pedestrian walker { model carla_walker; start 2 m from kerb; appears when time_to_arrival(av) = tta }
+    vary tta in [3 s, 12 s]
+    runs 20 .. 100
+    expect { rate(pet > 0.1 s) >= 50 % with 95 % confidence; rate(pet > 2 s) <= 50 % with 95 % confidence }
+  }
+"#;
+
+/// Such a trial in a suite without gates, and an estimate.
+const UNGATED: &str = r#"suite open {
+  seed 7
+  OPEN
+  scenario walk {
+    road { lane_width 3.5 m; speed_limit 50 km/h; crossing zebra }
+    vehicle av { controller constant_speed; size 4 m x 2 m; speed 10 m/s; start far before crossing }
+    pedestrian walker { model scripted { speed: 1 m/s }; radius 0.3 m; start 3 m from kerb; appears at 0 s }
+    draw far from normal(80.5 m, 4 m)
+    horizon 15 s
+    end on collision
+    repeat 5
+    expect { no collision }
+  }
+}
+estimate rarely {
+  of walk
+  event collision
+  score pet
+  budget 1000 runs, by importance
+}
+"#;
+
+struct Place {
+    folder: TempDir,
+    files: Vec<PathBuf>,
+}
+
+impl Place {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let base = folder.path().join("base.json");
+        let gated = GATED.replace("OPEN", OPEN).replace("BASE", &base.display().to_string());
+        let files = ["everything.suite", "open.suite"].map(|name| folder.path().join(name)).to_vec();
+        fs::write(&files[0], gated + BLOCKS).unwrap();
+        fs::write(&files[1], UNGATED.replace("OPEN", OPEN)).unwrap();
+        let place = Self { folder, files };
+        place.record(&base);
+        place
+    }
+
+    /// The baseline of the gate.
+    fn record(&self, base: &Path) {
+        let (project, threads) = (self.project(), Threads::new(2));
+        let runner = Runner::new(project.suites(), &threads, &standard());
+        let units = units(project.suites());
+        let reports: Vec<_> = units
+            .iter()
+            .filter(|unit| unit.suite == 0 && matches!(unit.work, Work::Trial(_)))
+            .map(|unit| match runner.run_unit(&unit, &EarlierResults::default(), &Silent) {
+                UnitReport::Trial(report) => report,
+                _ => panic!("it is a trial"),
+            })
+            .collect();
+        let measured = measured_trials(&runner, 0, &reports.iter().collect::<Vec<_>>()).unwrap();
+        fs::write(base, measured.text()).unwrap();
+    }
+
+    fn project(&self) -> Project {
+        Project::open_all(&self.files, &crate::project::ProjectOptions::default(), &standard(), &Disk)
+            .unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    fn manifest(&self) -> PathBuf {
+        self.folder.path().join("manifest.jsonl")
+    }
+
+    fn results(&self) -> PathBuf {
+        self.folder.path().join("results")
+    }
+}
+
+fn build() -> Build {
+    Build { digest: "abc".into(), target: "here".into(), version: "0".into() }
+}
+
+fn digests() -> RunDigests {
+    RunDigests::new(&build().identity(), Vec::new())
+}
+
+fn plan(place: &Place, project: &Project, chosen: impl Fn(&str) -> bool) -> ManifestReader {
+    let (units, threads, digests) = (units(project.suites()), Threads::new(2), digests());
+    let planner = Planner::new(project, &units, &threads, &digests).unwrap();
+    let marks: Vec<bool> = units.keys().map(|key| chosen(&key)).collect();
+    let marks = crate::session::with_needs(&units, marks);
+    let header = ManifestHeader::new(build(), canary(&standard()).unwrap());
+    write_manifest(&place.manifest(), header, planner.plan(&marks), &units).unwrap();
+    ManifestReader::open(&place.manifest()).unwrap()
+}
+
+fn execute(
+    place: &Place,
+    project: &Project,
+    manifest: &ManifestReader,
+    executor: &dyn Executor,
+    mine: &(dyn Fn(usize, &str) -> bool + Sync),
+) -> Result<Executed, ShardError> {
+    let (units, digests) = (units(project.suites()), digests());
+    let planner = Planner::new(project, &units, executor, &digests)?;
+    let canary = manifest.header().canary.clone();
+    let execution = Execution {
+        planner: &planner,
+        manifest,
+        executor,
+        verify: VerifyRuns::Some,
+        folder: &place.results(),
+        mine,
+        reuse: true,
+        canary: &canary,
+        stop: &Stop::default(),
+    };
+    execution.run(&|_, _| ())
+}
+
+/// An executor for what must not be made.
+struct Nobody(Threads);
+
+impl Executor for Nobody {
+    fn run(&self, round: &mut dyn Round) {
+        if let Some(job) = round.next() {
+            panic!("{} is asked for", job.case.key);
+        }
+    }
+
+    fn parallelism(&self) -> usize {
+        3
+    }
+
+    fn host(&self, work: &mut (dyn FnMut() + Send)) {
+        self.0.host(work);
+    }
+}
+
+fn merge(place: &Place, project: &Project, manifest: &ManifestReader) -> Result<String, String> {
+    let results = ResultFiles::open(&place.results(), manifest, "exec").map_err(|error| error.to_string())?;
+    let (stop, digests, nobody) = (Stop::default(), digests(), Nobody(Threads::new(1)));
+    let executor = FromResults::new(&nobody, &digests, &results, AbsentRuns::Refused, &stop);
+    let chosen = chosen(manifest, &units(project.suites())).map_err(|error| error.to_string())?;
+    let merged = session(project, &executor, Selection::marked(chosen), &stop);
+    match executor.troubles().into_iter().next() {
+        Some(trouble) => Err(trouble),
+        None => Ok(merged),
+    }
+}
+
+fn session(project: &Project, executor: &dyn Executor, selection: Selection, stop: &Stop) -> String {
+    let session = Session::new(project).executor(executor).courses(false).stopped_by(stop);
+    timeless(&session.run(&selection, &mut Unheard).unwrap())
+}
+
+fn timeless(results: &Results) -> String {
+    let mut json = Vec::new();
+    report::write_json(results, &mut json).unwrap();
+    let mut value = serde_json::from_slice(&json).unwrap();
+    without_times(&mut value);
+    value.to_string()
+}
+
+fn without_times(value: &mut serde_json::Value) {
+    match value {
+        serde_json::Value::Object(members) => {
+            let is_time = |name: &str| {
+                matches!(name, "wall_time" | "wall_time_s" | "started" | "duration_s" | "started_s")
+            };
+            members.retain(|name, _| !is_time(name));
+            members.values_mut().for_each(without_times);
+        }
+        serde_json::Value::Array(items) => items.iter_mut().for_each(without_times),
+        _ => {}
+    }
+}
+
+/// The files of results by their names.
+fn files(place: &Place) -> BTreeMap<PathBuf, Vec<u8>> {
+    let mut all = BTreeMap::new();
+    for folder in fs::read_dir(place.results()).unwrap() {
+        for file in fs::read_dir(folder.unwrap().path()).unwrap() {
+            let path = file.unwrap().path();
+            all.insert(path.strip_prefix(place.results()).unwrap().to_path_buf(), fs::read(&path).unwrap());
+        }
+    }
+    all
+}
+
+#[test]
+fn many_machines_come_to_what_one_comes_to() {
+    let place = Place::new();
+    let project = place.project();
+    let local = session(&project, &Threads::new(2), Selection::all(), &Stop::default());
+    for word in ["everything/walker/tta=3s", "rarely", "good", "gate", "slower"] {
+        assert!(local.contains(word), "{word}");
+    }
+    let manifest = plan(&place, &project, |_| true);
+    let mut known: Option<BTreeMap<PathBuf, Vec<u8>>> = None;
+    for (shards, threads) in [(1, 3), (7, 1), (40, 2)] {
+        let _ = fs::remove_dir_all(place.results());
+        // The last share first, and some in orders of their own.
+        for share in (0..shards).rev() {
+            let (shuffled, threads) = (Shuffled::seeded(share as u64), Threads::new(threads));
+            let executor: &dyn Executor = if share % 2 == 0 { &shuffled } else { &threads };
+            execute(&place, &project, &manifest, executor, &|number, _| number % shards == share).unwrap();
+        }
+        let made = files(&place);
+        assert_eq!(*known.get_or_insert_with(|| made.clone()), made, "{shards} shares are other bytes");
+        assert_eq!(merge(&place, &project, &manifest).unwrap(), local, "{shards} shares");
+    }
+}
+
+#[test]
+fn what_is_there_is_not_made_again_and_what_is_damaged_is() {
+    let place = Place::new();
+    let project = place.project();
+    let manifest = plan(&place, &project, |key| key.contains("walker/"));
+    let all = |_: usize, _: &str| true;
+    let made = execute(&place, &project, &manifest, &Threads::new(2), &all).unwrap();
+    assert!(made.made > 0 && made.runs >= 36 && made.skipped == 0, "{made:?}");
+    let again = execute(&place, &project, &manifest, &Threads::new(2), &all).unwrap();
+    assert_eq!((again.made, again.skipped), (0, made.made));
+    let before = files(&place);
+    let (name, bytes) = before.iter().next().unwrap();
+    let path = place.results().join(name);
+    let other = String::from_utf8(bytes.clone()).unwrap().replacen("\"run\":\"", "\"run\":\"0", 1);
+    for damaged in [&bytes[..bytes.len() - 1], &bytes[..bytes.len() / 2], b"", other.as_bytes()] {
+        fs::write(&path, damaged).unwrap();
+        let refused = merge(&place, &project, &manifest).unwrap_err();
+        assert!(refused.contains(&path.display().to_string()), "{refused}");
+        let repaired = execute(&place, &project, &manifest, &Threads::new(2), &all).unwrap();
+        assert_eq!(repaired.made, 1);
+        assert_eq!(files(&place), before);
+    }
+    merge(&place, &project, &manifest).unwrap();
+}
+
+#[test]
+fn what_is_missing_foreign_or_of_others_is_refused_by_name() {
+    let place = Place::new();
+    let project = place.project();
+    let manifest = plan(&place, &project, |key| key.contains("walker/"));
+    let all = |_: usize, _: &str| true;
+    execute(&place, &project, &manifest, &Threads::new(2), &all).unwrap();
+    let before = files(&place);
+    let (name, bytes) = before.iter().next().unwrap();
+    let path = place.results().join(name);
+    let refused = || merge(&place, &project, &manifest).unwrap_err();
+
+    fs::remove_file(&path).unwrap();
+    let missing = refused();
+    assert!(missing.contains("everything/walker/tta=") && missing.contains("exec makes them"), "{missing}");
+    fs::write(&path, bytes).unwrap();
+
+    let foreign = path.parent().unwrap().join(format!("{}.jsonl", "0".repeat(64)));
+    fs::write(&foreign, bytes).unwrap();
+    assert!(refused().contains(&foreign.display().to_string()));
+    fs::remove_file(&foreign).unwrap();
+    // What a worker that was killed leaves half written is nobody's result.
+    fs::write(path.parent().unwrap().join(".half.tmp"), "half").unwrap();
+    merge(&place, &project, &manifest).unwrap();
+
+    let resealed = |from: &str, to: &str| {
+        let text = String::from_utf8(bytes.clone()).unwrap();
+        let lines: Vec<&str> = text.lines().collect();
+        let body: String = lines[..lines.len() - 1].iter().map(|line| format!("{line}\n")).collect();
+        assert!(body.contains(from));
+        let body = body.replacen(from, to, 1);
+        fs::write(&path, format!("{body}{{\"sha256\":\"{}\"}}\n", scenario::sha256(body.as_bytes())))
+            .unwrap();
+        refused()
+    };
+    let said = resealed("\"digest\":\"abc\"", "\"digest\":\"abd\"");
+    assert!(said.contains("it is of scenario-runner 0 for here (SHA-256 abd"), "{said}");
+    let said = resealed("\"canary\":\"", "\"canary\":\"0");
+    assert!(said.contains("canary") && said.contains(&path.display().to_string()), "{said}");
+    let said = resealed("\"version\":1", "\"version\":2");
+    assert!(said.contains("version 2"), "{said}");
+    let said = resealed("\"unit\":\"", "\"unit\":\"0");
+    assert!(said.contains("should be"), "{said}");
+    // A worker with another canary or build does not even begin, and does not replace what is there.
+    let said = execute(&place, &project, &manifest, &Threads::new(1), &all);
+    assert_eq!(said.unwrap().made, 1, "what means nothing is made again");
+    resealed("\"canary\":\"", "\"canary\":\"0");
+    assert!(matches!(
+        execute(&place, &project, &manifest, &Threads::new(1), &all),
+        Err(ShardError::OtherCanary { .. })
+    ));
+}
+
+#[test]
+fn other_results_of_a_run_change_no_verdict_silently() {
+    let place = Place::new();
+    let project = place.project();
+    let manifest = plan(&place, &project, |key| key.contains("walker/"));
+    execute(&place, &project, &manifest, &Threads::new(2), &|_, _| true).unwrap();
+    // A scenario that has changed since asks for runs of which there is no result.
+    let text = fs::read_to_string(&place.files[0]).unwrap();
+    fs::write(&place.files[0], text.replace("lane_width 4 m", "lane_width 3.9 m")).unwrap();
+    let changed = place.project();
+    let said = merge(&place, &changed, &manifest).unwrap_err();
+    assert!(said.contains("there is no result of everything/walker/tta=3s"), "{said}");
+    let said = execute(&place, &changed, &manifest, &Threads::new(2), &|_, _| true).map(|_| ());
+    // All batches are there: nothing is made of them.
+    assert!(said.is_ok());
+    fs::remove_dir_all(place.results()).unwrap();
+    let said = execute(&place, &changed, &manifest, &Threads::new(2), &|_, _| true).unwrap_err();
+    assert!(said.to_string().contains("its files have changed since"), "{said}");
+}
+
+#[test]
+fn a_manifest_is_the_same_each_time_and_whole_or_refused() {
+    let place = Place::new();
+    let project = place.project();
+    plan(&place, &project, |_| true);
+    let first = fs::read(place.manifest()).unwrap();
+    let manifest = plan(&place, &project, |_| true);
+    assert_eq!(fs::read(place.manifest()).unwrap(), first);
+    assert!(manifest.check_build(&build()).is_ok());
+    let other = Build { target: "there".into(), ..build() };
+    let said = manifest.check_build(&other).unwrap_err().to_string();
+    assert!(
+        said.contains("manifest.jsonl: it is of scenario-runner 0 for here") && said.contains("there"),
+        "{said}"
+    );
+    let ids: Vec<String> =
+        manifest.batches().unwrap().flat_map(|batch| batch.unwrap().units).map(|unit| unit.id).collect();
+    assert!(ids.is_sorted() && ids.len() == manifest.header().units);
+    let text = String::from_utf8(first.clone()).unwrap();
+    let other = text.replacen("\"version\":1", "\"version\":9", 1);
+    let lost = text.lines().enumerate().filter(|(number, _)| *number != 2);
+    let lost: String = lost.map(|(_, line)| format!("{line}\n")).collect();
+    for (changed, why) in [
+        (&first[..first.len() / 2], "it is cut off"),
+        (&first[..first.len() - 1], "it is cut off"),
+        (other.as_bytes(), "version 9"),
+        (lost.as_bytes(), "damaged or was changed"),
+        (b"{}\n", "no manifest"),
+        (b"", "cut off"),
+    ] {
+        fs::write(place.manifest(), changed).unwrap();
+        let said = ManifestReader::open(&place.manifest()).unwrap_err().to_string();
+        assert!(said.contains(why) && said.contains("manifest.jsonl"), "{said}");
+    }
+    assert!(ManifestReader::open(Path::new("/nowhere/manifest.jsonl")).is_err());
+}
+
+#[test]
+fn two_workers_in_one_folder_leave_one_result_each() {
+    let place = Place::new();
+    let project = place.project();
+    let manifest = plan(&place, &project, |key| key.starts_with("everything/"));
+    let failed = AtomicUsize::new(0);
+    std::thread::scope(|scope| {
+        for _ in 0..2 {
+            scope.spawn(|| {
+                let done = execute(&place, &project, &manifest, &Threads::new(2), &|_, _| true);
+                failed.fetch_add(usize::from(done.is_err()), Ordering::Relaxed);
+            });
+        }
+    });
+    assert_eq!(failed.into_inner(), 0);
+    merge(&place, &project, &manifest).unwrap();
+}

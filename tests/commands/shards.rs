@@ -1,0 +1,245 @@
+//! `plan`, `exec` and `merge`: many machines write the reports of one, or none.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+use fancy_regex::Regex;
+use serde_json::Value;
+use tempfile::TempDir;
+
+use crate::support::program::{code, scenario_runner, stderr, stdout};
+
+const SUITE: &str = r#"suite crossing {
+  seed 11
+  scenario walker {
+    road { lane_width 4 m; speed_limit 30 km/h; crossing zebra }
+    vehicle av { controller carla_behavior; speed 30 km/h }
+    pedestrian walker { model carla_walker; start 2 m from kerb; appears when time_to_arrival(av) = tta }
+    vary tta in [3 s, 4 s, 5 s]
+    repeat 400
+    expect { max_deceleration <= 2 m/s^2; no collision }
+  }
+  scenario open {
+    road { lane_width 4 m; speed_limit 30 km/h; crossing zebra }
+    vehicle av { controller carla_behavior; speed 30 km/h }
+    pedestrian walker { model carla_walker; start 2 m from kerb; appears when time_to_arrival(av) = tta }
+    vary tta in [3 s, 12 s]
+    runs 20 .. 300
+    expect { rate(pet > 0.1 s) >= 50 % with 95 % confidence }
+  }
+}
+search found {
+  in walker
+  minimise pet
+  over tta in 3 s .. 9 s
+  budget 8 evaluations, 3 random first
+}
+evaluate both {
+  on walker
+  with default
+}
+"#;
+
+/// The reports that are files, by their options.
+const REPORTS: [&str; 6] = ["junit", "json", "tap", "html", "runs", "csv"];
+
+fn folder() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("crossing.suite"), SUITE).unwrap();
+    folder
+}
+
+/// Runs the program with all reports, and gives its exit code with what they say but for times.
+fn reported(folder: &Path, name: &str, arguments: &[&str]) -> (i32, Vec<String>) {
+    let options: Vec<String> = REPORTS.iter().map(|kind| format!("--{kind}={name}.{kind}")).collect();
+    let all: Vec<&str> = arguments
+        .iter()
+        .copied()
+        .chain(["--no-progress"])
+        .chain(options.iter().map(String::as_str))
+        .collect();
+    let output = scenario_runner(folder, &all);
+    let read = |kind: &&str| {
+        let text = fs::read_to_string(folder.join(format!("{name}.{kind}")));
+        settled(&text.unwrap_or_else(|error| panic!("{kind}: {error}\n{}", stderr(&output))))
+    };
+    (code(&output), REPORTS.iter().map(read).collect())
+}
+
+/// Without what differs from run to run of the same suite.
+fn settled(text: &str) -> String {
+    let replaced = [
+        (r"duration_ms: \d+", "duration_ms: 0"),
+        (r"runs, \d+\.\d{2} s<", "runs, TIME s<"),
+        (r#"<td class="n">\d+\.\d{2}</td></tr>\n"#, "<td>TIME</td></tr>\n"),
+        (r#" (time|timestamp)="[^"]*""#, r#" $1="…""#),
+        (r#""(wall_time_s|duration_s|(secs|nanos)(_since_epoch)?)": ?[0-9.e-]+"#, r#""$1": 0"#),
+        (r"\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d(\.\d+)?(Z|\+00:00| UTC)", "DATE"),
+    ];
+    replaced.iter().fold(text.to_string(), |text, (pattern, by)| {
+        Regex::new(pattern).unwrap().replace_all(&text, *by).into_owned()
+    })
+}
+
+fn planned(folder: &Path, more: &[&str]) {
+    let arguments: Vec<&str> = ["plan", "crossing.suite", "--out", "manifest.jsonl"]
+        .into_iter()
+        .chain(more.iter().copied())
+        .collect();
+    let output = scenario_runner(folder, &arguments);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+}
+
+fn executed(folder: &Path, share: &str, threads: &str) -> String {
+    let arguments =
+        ["exec", "manifest.jsonl", "--partition", share, "--results", "results", "--test-threads", threads];
+    let output = scenario_runner(folder, &arguments);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    stdout(&output)
+}
+
+const MERGE: [&str; 4] = ["merge", "manifest.jsonl", "--results", "results"];
+
+#[test]
+fn the_reports_of_shares_are_those_of_one_machine_byte_for_byte() {
+    let folder = folder();
+    let folder = folder.path();
+    let local = reported(folder, "local", &["crossing.suite"]);
+    planned(folder, &[]);
+    for (share, threads) in [("slice:3/3", "1"), ("slice:1/3", "2"), ("slice:2/3", "5")] {
+        executed(folder, share, threads);
+    }
+    let merged = reported(folder, "merged", &MERGE);
+    assert_eq!(merged.0, local.0);
+    for ((kind, one), many) in REPORTS.iter().zip(local.1).zip(merged.1) {
+        assert!(one == many, "{kind} differs");
+    }
+    // Those without times need no settling.
+    let bytes = |name: &str| fs::read(folder.join(name)).unwrap();
+    assert_eq!(bytes("local.runs"), bytes("merged.runs"));
+    assert!(executed(folder, "slice:1/1", "2").contains("made 0 batches of 0 runs"));
+}
+
+#[test]
+fn a_part_that_was_chosen_is_what_a_run_of_that_part_comes_to() {
+    let folder = folder();
+    let folder = folder.path();
+    let chosen = ["-E", "kind(search)", "--seed", "5", "--set", "repeat=6"];
+    let local = reported(folder, "local", &[&["crossing.suite"], &chosen[..]].concat());
+    planned(folder, &chosen);
+    executed(folder, "hash:1/2", "2");
+    executed(folder, "hash:2/2", "2");
+    assert_eq!(reported(folder, "merged", &MERGE), local);
+}
+
+#[test]
+fn what_is_not_there_or_not_of_the_plan_is_no_green() {
+    let folder = folder();
+    let folder = folder.path();
+    planned(folder, &["walker/"]);
+    executed(folder, "slice:1/2", "2");
+    let refused = |arguments: &[&str], words: &[&str]| {
+        let all: Vec<&str> = arguments.iter().copied().chain(["--junit", "never.xml"]).collect();
+        let output = scenario_runner(folder, if arguments[0] == "merge" { &all } else { arguments });
+        assert_eq!(code(&output), 2, "{}{}", stdout(&output), stderr(&output));
+        for word in words {
+            assert!(stderr(&output).contains(word), "{word}: {}", stderr(&output));
+        }
+        assert!(!folder.join("never.xml").exists());
+    };
+    refused(
+        &MERGE,
+        &["missing", "crossing/walker/tta=", "scenario-runner exec 'manifest.jsonl' --results 'results'"],
+    );
+    executed(folder, "slice:2/2", "2");
+    assert_eq!(code(&scenario_runner(folder, &MERGE)), 100);
+    refused(
+        &["merge", "manifest.jsonl", "--results", "results", "--json", "manifest.jsonl"],
+        &["would replace a file"],
+    );
+    let exec = ["exec", "manifest.jsonl", "--results", "results"];
+    let suite = fs::read_to_string(folder.join("crossing.suite")).unwrap();
+    fs::write(folder.join("crossing.suite"), suite.replace("tta in [3 s", "tta in [3.5 s")).unwrap();
+    refused(&MERGE, &["crossing.suite is not what it was when the plan was made"]);
+    refused(&exec, &["crossing.suite is not what it was"]);
+    fs::write(folder.join("crossing.suite"), suite).unwrap();
+    let manifest = fs::read_to_string(folder.join("manifest.jsonl")).unwrap();
+    fs::write(folder.join("manifest.jsonl"), manifest.replacen("\"digest\":\"", "\"digest\":\"0", 1))
+        .unwrap();
+    refused(&exec, &["manifest.jsonl", "damaged or was changed"]);
+    fs::write(folder.join("manifest.jsonl"), &manifest[..manifest.len() / 2]).unwrap();
+    refused(&MERGE, &["manifest.jsonl", "cut off"]);
+    refused(&["exec", "nowhere.jsonl", "--results", "results"], &["nowhere.jsonl"]);
+}
+
+/// With the manifest's lines sealed again, as whoever forges one would.
+#[test]
+fn a_plan_of_another_program_is_refused_by_name() {
+    let folder = folder();
+    let folder = folder.path();
+    planned(folder, &["walker/tta=3s"]);
+    let text = fs::read_to_string(folder.join("manifest.jsonl")).unwrap();
+    let lines: Vec<&str> = text.lines().collect();
+    let mut header: Value = serde_json::from_str(lines[0]).unwrap();
+    header["build"]["target"] = "riscv64-plan9".into();
+    let body = format!("{header}\n{}\n", lines[1..lines.len() - 1].join("\n"));
+    let seal = scenario::sha256(body.as_bytes());
+    fs::write(folder.join("manifest.jsonl"), format!("{body}{{\"sha256\":\"{seal}\"}}\n")).unwrap();
+    let output = scenario_runner(folder, &["exec", "manifest.jsonl", "--results", "results"]);
+    assert_eq!(code(&output), 2);
+    assert!(stderr(&output).contains("riscv64-plan9"), "{}", stderr(&output));
+}
+
+#[test]
+fn a_wall_time_limit_is_refused() {
+    let folder = folder();
+    let text = SUITE.replace("seed 11", "seed 11\n  time_limit 10 s per case");
+    fs::write(folder.path().join("crossing.suite"), text).unwrap();
+    let output = scenario_runner(folder.path(), &["plan", "crossing.suite", "--out", "manifest.jsonl"]);
+    assert_eq!(code(&output), 2);
+    assert!(stderr(&output).contains("`time_limit`") && !folder.path().join("manifest.jsonl").exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn workers_that_are_killed_lose_nothing() {
+    let folder = folder();
+    let folder = folder.path();
+    planned(folder, &[]);
+    for delay in [120, 200, 350, 500] {
+        let mut worker = Command::new(env!("CARGO_BIN_EXE_scenario-runner"))
+            .args(["exec", "manifest.jsonl", "--results", "results", "--test-threads", "2"])
+            .current_dir(folder)
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        std::thread::sleep(Duration::from_millis(delay));
+        worker.kill().unwrap();
+        worker.wait().unwrap();
+    }
+    executed(folder, "slice:1/1", "2");
+    let merged = reported(folder, "merged", &MERGE);
+    assert_eq!(merged, reported(folder, "local", &["crossing.suite"]));
+}
+
+#[cfg(unix)]
+#[test]
+fn a_full_disk_is_said_and_loses_nothing() {
+    let folder = folder();
+    let folder = folder.path();
+    planned(folder, &["walker/"]);
+    // No file may get longer than so many blocks: what is written beyond is refused, as on a full disk.
+    let script = "trap '' XFSZ; ulimit -f 2; exec \"$0\" exec manifest.jsonl --results results";
+    let output = Command::new("sh")
+        .args(["-c", script, env!("CARGO_BIN_EXE_scenario-runner")])
+        .current_dir(folder)
+        .output()
+        .unwrap();
+    assert_eq!(code(&output), 110, "{}", stderr(&output));
+    assert!(stderr(&output).contains("cannot be written"), "{}", stderr(&output));
+    executed(folder, "slice:1/1", "2");
+    assert_eq!(code(&scenario_runner(folder, &MERGE)), 100);
+}
