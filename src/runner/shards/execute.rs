@@ -257,7 +257,7 @@ impl Share<'_, '_> {
         let (planner, of) = (self.of.planner, unit.unit);
         let is_named = of < planner.units.len() && planner.units.key(of) == unit.name;
         let has_runs = |(first, runs): (usize, usize)| {
-            let end = first.checked_add(runs).unwrap_or(usize::MAX);
+            let end = first.saturating_add(runs);
             matches!(planner.units.kind(of), UnitKind::Trial { .. })
                 && runs > 0
                 && end <= planner.units.runs(of)
