@@ -7,6 +7,7 @@ use clap::Args;
 use serde_json::json;
 
 use super::interrupt::stop_on_interrupt;
+use super::on_engine::{EngineArguments, Shares};
 use super::planned::{PlannedProject, is_known_whole, permission_digest, said};
 use super::programs::ProgramArguments;
 use super::run::conduct::Colour;
@@ -27,7 +28,8 @@ Exit code 0 says that all results of the share are there, whatever they are; `me
 
 Examples:
   scenario-runner exec manifest.jsonl --results results                             all of it
-  scenario-runner exec manifest.jsonl --partition slice:3/40 --results results      share 3 of 40")]
+  scenario-runner exec manifest.jsonl --partition slice:3/40 --results results      share 3 of 40
+  scenario-runner exec manifest.jsonl --on slurm --results results                  all of it, on a cluster")]
 pub struct ExecArguments {
     /// What `plan` wrote.
     #[arg(value_name = "MANIFEST")]
@@ -44,6 +46,9 @@ pub struct ExecArguments {
     /// Number of threads, at most 1024 [default: one per core]. Results do not depend on it.
     #[arg(long, short = 'j', visible_alias = "jobs", value_name = "N", value_parser = number::threads())]
     test_threads: Option<usize>,
+
+    #[command(flatten)]
+    engine: EngineArguments,
 
     #[command(flatten)]
     programs: ProgramArguments,
@@ -70,16 +75,20 @@ fn executed(arguments: &ExecArguments, registry: &Registry) -> Result<Exit, Exit
     let colour = arguments.color.wanted(stderr());
     let planned = PlannedProject::open(&arguments.manifest, colour, registry)?;
     let permission = arguments.permission(&planned)?;
+    if let Some(engine) = arguments.engine.on {
+        make_results_folder(&arguments.results)?;
+        let (manifest, results) = (&arguments.manifest, &arguments.results);
+        let shares =
+            Shares { manifest, results, planned: &planned, permission: &permission, reuse: arguments.reuse };
+        return arguments.engine.make(engine, &shares);
+    }
     let suites = planned.project.suites();
     let threads = permission.threads(arguments.test_threads, suites.iter().map(|one| &one.suite))?;
     let canary = canary(registry).map_err(|error| said(&error))?;
     let units = session::units(suites);
     let planner =
         Planner::new(&planned.project, &units, &threads, &planned.digests).map_err(|error| said(&error))?;
-    if let Err(error) = files::make_folder(&arguments.results) {
-        writeln!(stderr(), "error: cannot create the folder {}: {error}", arguments.results.display());
-        return Err(Exit::Output);
-    }
+    make_results_folder(&arguments.results)?;
     let stop = stop_on_interrupt();
     let mine = |number: usize, id: &str| arguments.partition.is_none_or(|share| share.holds(number, id));
     let execution = Execution {
@@ -99,6 +108,13 @@ fn executed(arguments: &ExecArguments, registry: &Registry) -> Result<Exit, Exit
     let there = if skipped > 0 { format!(", {skipped} were there") } else { String::new() };
     writeln!(stdout(), "{}: made {made} batches of {runs} runs{there}", arguments.results.display());
     Ok(Exit::Success)
+}
+
+fn make_results_folder(folder: &Path) -> Result<(), Exit> {
+    files::make_folder(folder).map_err(|error| {
+        writeln!(stderr(), "error: cannot create the folder {}: {error}", folder.display());
+        Exit::Output
+    })
 }
 
 impl ExecArguments {

@@ -24,6 +24,7 @@ mod measured;
 mod merge;
 mod models;
 mod number;
+mod on_engine;
 mod one_case;
 mod parameters;
 mod plan;

@@ -235,6 +235,7 @@ impl ConductArguments {
         });
         let mut session = Session::new(project)
             .executor(executor)
+            .every_metric(is_merged)
             .stopped_by(stop)
             .verify_runs(self.verify.runs())
             .after_seeds(tried.earlier(project.suites()))

@@ -27,6 +27,7 @@ pub struct Session<'a> {
     lenient: bool,
     courses: bool,
     every_trial: bool,
+    every_metric: bool,
     pilot: bool,
     earlier_seeds: Vec<Vec<TriedSeed>>,
     verify: VerifyRuns,
@@ -75,6 +76,7 @@ impl<'a> Session<'a> {
             lenient: false,
             courses: true,
             every_trial: true,
+            every_metric: false,
             pilot: false,
             earlier_seeds: Vec::new(),
             verify: VerifyRuns::default(),
@@ -115,9 +117,14 @@ impl<'a> Session<'a> {
     /// Whether the results hold every trial. They do unless this says no: then they hold what did not pass, and the rest [in
     /// numbers](results::SuiteSummary), which needs little memory for millions of runs. The terminal's report says the same,
     /// reports of each trial refuse to be made. Courses of runs, ratings and gates need every trial and get it. Where trials alone are run
-    /// and each is judged, no metric is measured then that nothing in the project asks for.
+    /// and each is judged, no metric is measured then that nothing in the project asks for, unless [`Self::every_metric`] says otherwise.
     pub fn every_trial(self, every: bool) -> Self {
         Self { every_trial: every, ..self }
+    }
+
+    /// Whether every metric that has a default is measured though nobody sees it: so were runs that an executor has from elsewhere.
+    pub fn every_metric(self, every: bool) -> Self {
+        Self { every_metric: every, ..self }
     }
 
     /// Whether a few runs of each trial are made before all others, for whoever tells how long everything takes. It changes no result.
@@ -219,7 +226,7 @@ impl<'a> Session<'a> {
     /// Whether nobody can see a metric that nothing in the suites asks for: no more is said of any run than the terminal's report says of
     /// trials, blocks and gates look at none, and every table has criteria for its columns.
     fn shows_asked_metrics_only(&self, units: &Units, chosen: &[bool]) -> bool {
-        if self.every_trial || self.courses || self.watch.is_some() {
+        if self.every_trial || self.every_metric || self.courses || self.watch.is_some() {
             return false;
         }
         let mut suites = self.project.suites().iter().map(|one| &one.suite);
