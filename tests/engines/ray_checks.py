@@ -10,6 +10,7 @@ import tempfile
 import time
 
 from driver import Driver, Tasks, environment, expect, expect_loopback, kill, main, parent, say, there, until
+from shares import shares
 
 # Ray takes the address of a network for its own unless it believes that no other machine may join.
 LOOPBACK = {"RAY_ENABLE_WINDOWS_OR_OSX_CLUSTER": "0"}
@@ -122,6 +123,7 @@ def two_workers(program, folder):
         driver_killed(program, folder, address)
         interrupted(program, folder, address)
         worker_killed(program, folder, address)
+        shares(folder, "ray", **address)
         node_killed(program, folder, address, cluster, first)
     finally:
         cluster.shutdown()

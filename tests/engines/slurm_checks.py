@@ -6,7 +6,9 @@ import shutil
 import time
 
 from driver import Driver, Tasks, expect, expect_loopback, main, say, until
+from shares import shares
 from slurm_cluster import Cluster
+
 
 def sets_up(cluster):
     """What a driver finds in its environment."""
@@ -211,6 +213,7 @@ def checks(program, folder, root):
         say("a cluster of two nodes is there, on loopback alone")
         refused(program, folder, cluster)
         done(program, folder, cluster)
+        shares(folder, "slurm", "--slurm-option=--time=5", **sets_up(cluster))
         interrupted(program, folder, cluster)
         driver_killed_while_submitting(program, folder, cluster)
         node = begin_to_kill_a_node(program, folder, cluster)

@@ -358,11 +358,16 @@ mod tests {
         State { distance, speed, acceleration }
     }
 
-    /// What a pedestrian at 5 m thinks of a car at 30 m after one step with these draws.
+    /// What a pedestrian at 5 m and 1 m/s thinks of a car at 30 m after one step with these draws.
     fn thoughts(variant: &str, draws: &[f64]) -> Thoughts {
+        thoughts_at(1.0, variant, draws)
+    }
+
+    /// The same at that speed, m/s.
+    fn thoughts_at(speed: f64, variant: &str, draws: &[f64]) -> Thoughts {
         let mut draws = RecordedDraws::new(draws);
         let mut walker = agent(variant, PEDESTRIAN, VEHICLE);
-        walker.step(&state(5.0, 1.0, 0.0), &state(30.0, 10.0, 0.0), &Rules::default(), &mut draws);
+        walker.step(&state(5.0, speed, 0.0), &state(30.0, 10.0, 0.0), &Rules::default(), &mut draws);
         assert!(draws.is_used_up(), "{} draws were taken", draws.taken());
         *walker.thoughts().unwrap()
     }
@@ -400,12 +405,15 @@ mod tests {
 
     #[test]
     fn without_anticipated_influence_beliefs_do_not_depend_on_ones_own_action() {
-        let alone = thoughts("oVAoBEv", &[]).probabilities;
-        assert!(alone[1].iter().all(|p| *p == alone[1][0]));
-        let influential = thoughts("oVAoBEvoAI", &[]).probabilities;
-        assert!(influential[1].iter().any(|p| *p != influential[1][0]));
-        // Doing nothing new is what the other is assumed to reckon with.
-        assert_eq!(alone[1][NO_ACTION], influential[1][NO_ACTION]);
+        // Standing, doing nothing new leads to the same as slowing down.
+        for speed in [1.0, 0.0] {
+            let alone = thoughts_at(speed, "oVAoBEv", &[]).probabilities;
+            assert!(alone[1].iter().all(|p| *p == alone[1][0]));
+            let influential = thoughts_at(speed, "oVAoBEvoAI", &[]).probabilities;
+            assert!(influential[1].iter().any(|p| *p != influential[1][0]));
+            // Doing nothing new is what the other is assumed to reckon with.
+            assert_eq!(alone[1][NO_ACTION], influential[1][NO_ACTION], "at {speed} m/s");
+        }
     }
 
     #[test]

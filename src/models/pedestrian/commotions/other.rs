@@ -186,6 +186,7 @@ impl Other {
         let destinations = plan.destinations(own.distance, own.speed);
         // Actions that lead to the same state, as of whoever stands and would slow down, are worth the same.
         let same = same_before(&destinations);
+        let as_no_action = same[NO_ACTION].unwrap_or(NO_ACTION);
         let mut moves = [AgentMove::default(); ACTIONS];
         for (j, own_move) in moves.iter_mut().enumerate().filter(|(j, _)| same[*j].is_none()) {
             let to = PredictedState::new(destinations.state(j), &self.own.body, valuation.other_acceleration);
@@ -207,14 +208,14 @@ impl Other {
                     values[b][j] =
                         valuation.of_move(&self.own, mine, &self.party, &theirs, AgentOrders::Better, rules);
                 }
-                if reasoning.anticipates_influence || j == NO_ACTION {
+                if reasoning.anticipates_influence || j == as_no_action {
                     let counting = AgentOrders::of(behaviour);
                     others_values[b][j] =
                         valuation.of_move(&self.party, &theirs, &self.own, mine, counting, rules);
                 }
             }
             if !reasoning.anticipates_influence {
-                others_values[b] = [others_values[b][NO_ACTION]; ACTIONS];
+                others_values[b] = [others_values[b][as_no_action]; ACTIONS];
             }
             for row in [&mut values[b], &mut others_values[b]] {
                 for value in row.iter_mut() {
