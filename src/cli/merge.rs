@@ -8,7 +8,7 @@ use super::Exit;
 use super::interrupt::stop_on_interrupt;
 use super::planned::{PlannedProject, said};
 use super::run::conduct::{ConductOrders, Conducted, ShowArguments};
-use super::run::output::{self, OutputArguments};
+use super::run::output::{self, OutputArguments, WrittenLines};
 use super::run::{Deny, LastRun, in_github_actions, judged, targets};
 use report::console::stderr;
 use results::shell_word;
@@ -79,6 +79,10 @@ fn merged(arguments: MergeArguments, registry: &Registry) -> Result<Exit, Exit> 
     });
     let executor = FromResults::new(&threads, &planned.digests, &files, AbsentRuns::Refused, &stop)
         .with_programs(asked.collect());
+    let mut lines = reports.begin_lines(&units, &chosen, in_github_actions()).map_err(|complaint| {
+        writeln!(stderr(), "error: {complaint}");
+        Exit::Output
+    })?;
     let orders = ConductOrders {
         project: &planned.project,
         units: &units,
@@ -88,6 +92,7 @@ fn merged(arguments: MergeArguments, registry: &Registry) -> Result<Exit, Exit> 
         watch: None,
         courses: reports.draw_runs(),
         every_trial: reports.need_every_trial(in_github_actions()),
+        besides: lines.as_mut().map(WrittenLines::reporter),
         is_repeated: false,
         is_merged: true,
     };
@@ -101,6 +106,7 @@ fn merged(arguments: MergeArguments, registry: &Registry) -> Result<Exit, Exit> 
         return Err(Exit::Usage);
     }
     if !stop.is_requested() {
+        complaints.extend(lines.and_then(WrittenLines::end));
         complaints.extend(output::write(&reports, &results, in_github_actions()));
     }
     for notice in &notices {

@@ -87,7 +87,7 @@ pub use pages::{ModelPage, model_pages};
 pub use rating::{render_rating, render_ratings};
 pub use replay::{ReplayIntroduction, case_values, render_replay, replay_reasons};
 pub use repository::Repository;
-pub use runs::write_runs;
+pub use runs::{RunLines, write_runs};
 pub use table::render_tables;
 pub use tap::write_tap;
 pub use terminal::{Live, StatusLevel, Terminal};

@@ -1,7 +1,7 @@
 //! Everything that was run, a run at a time in the order of the plan: what `--runs` and `--csv` write.
 
 use results::judge::{PerRun, per_run};
-use results::{Outcome, RecordedState, Skip, SuiteReport, TrialReport, TrialState, Verdict};
+use results::{Outcome, RecordedReport, RecordedState, Skip, SuiteReport, TrialReport, TrialState, Verdict};
 use scenario::Assignment;
 
 /// A run, or a trial that was to be run and has none.
@@ -39,40 +39,50 @@ pub fn each_row<E>(
     mut row: impl FnMut(&Row, &[PerRun]) -> Result<(), E>,
 ) -> Result<(), E> {
     let suite = report.identity.suite.as_str();
-    for recorded in &report.recorded {
-        let (verdict, what) = match &recorded.state {
-            RecordedState::Ran(rerun) => (Some(rerun.judged.verdict), What::Run(&rerun.outcome)),
-            RecordedState::Errored(error) => (None, What::Nothing(ERRORED, error.message.clone())),
-            RecordedState::Skipped(Skip::NotSelected) => continue,
-            RecordedState::Skipped(skip) => (None, What::Nothing(NOT_RUN, skip.to_string())),
-        };
-        let (scenario, trial) = (recorded.recorded.scenario.as_str(), recorded.key.as_str());
-        let variation = recorded.recorded.variation.as_slice();
-        row(&Row { suite, scenario, trial, variation, verdict, what }, &[])?;
+    report.recorded.iter().try_for_each(|recorded| recorded_row(suite, recorded, &mut row))?;
+    report.trials.iter().try_for_each(|trial| trial_rows(suite, trial, &mut row))
+}
+
+/// The row of a run that failed before, if it was selected.
+pub fn recorded_row<E>(
+    suite: &str,
+    recorded: &RecordedReport,
+    row: &mut impl FnMut(&Row, &[PerRun]) -> Result<(), E>,
+) -> Result<(), E> {
+    let (verdict, what) = match &recorded.state {
+        RecordedState::Ran(rerun) => (Some(rerun.judged.verdict), What::Run(&rerun.outcome)),
+        RecordedState::Errored(error) => (None, What::Nothing(ERRORED, error.message.clone())),
+        RecordedState::Skipped(Skip::NotSelected) => return Ok(()),
+        RecordedState::Skipped(skip) => (None, What::Nothing(NOT_RUN, skip.to_string())),
+    };
+    let (scenario, trial) = (recorded.recorded.scenario.as_str(), recorded.key.as_str());
+    let variation = recorded.recorded.variation.as_slice();
+    row(&Row { suite, scenario, trial, variation, verdict, what }, &[])
+}
+
+/// The rows of a trial, if it was selected.
+pub fn trial_rows<E>(
+    suite: &str,
+    trial: &TrialReport,
+    row: &mut impl FnMut(&Row, &[PerRun]) -> Result<(), E>,
+) -> Result<(), E> {
+    let criteria: Vec<PerRun> = trial.trial.criteria.iter().filter_map(per_run).collect();
+    let of = |what| of_trial(suite, trial, what);
+    let finished = trial.error().map_or(&[][..], |error| &error.finished);
+    for outcome in trial.outcomes.iter().chain(finished) {
+        row(&of(What::Run(outcome)), &criteria)?;
     }
-    for trial in &report.trials {
-        let criteria: Vec<PerRun> = trial.trial.criteria.iter().filter_map(per_run).collect();
-        let of = |what| of_trial(suite, trial, what);
-        let finished = trial.error().map_or(&[][..], |error| &error.finished);
-        for outcome in trial.outcomes.iter().chain(finished) {
-            row(&of(What::Run(outcome)), &criteria)?;
-        }
-        if let Some(error) = trial.error().filter(|error| !error.faults.is_empty()) {
-            for fault in &error.faults {
-                row(&of(What::Nothing(ERRORED, fault.in_words())), &criteria)?;
-            }
-            continue;
-        }
-        let nothing = match &trial.state {
-            TrialState::Skipped(Skip::NotSelected) => continue,
-            TrialState::Skipped(skip) => What::Nothing(NOT_RUN, skip.to_string()),
-            TrialState::Errored(error) => What::Nothing(ERRORED, error.message.clone()),
-            TrialState::NotFinished(cut) => What::Nothing("not finished", cut.to_string()),
-            TrialState::Judged(_) => continue,
-        };
-        row(&of(nothing), &criteria)?;
+    if let Some(error) = trial.error().filter(|error| !error.faults.is_empty()) {
+        let mut faults = error.faults.iter();
+        return faults.try_for_each(|fault| row(&of(What::Nothing(ERRORED, fault.in_words())), &criteria));
     }
-    Ok(())
+    let nothing = match &trial.state {
+        TrialState::Judged(_) | TrialState::Skipped(Skip::NotSelected) => return Ok(()),
+        TrialState::Skipped(skip) => What::Nothing(NOT_RUN, skip.to_string()),
+        TrialState::Errored(error) => What::Nothing(ERRORED, error.message.clone()),
+        TrialState::NotFinished(cut) => What::Nothing("not finished", cut.to_string()),
+    };
+    row(&of(nothing), &criteria)
 }
 
 const ERRORED: &str = "error";

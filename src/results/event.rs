@@ -53,6 +53,8 @@ pub enum Event<'e> {
         suite: &'e SuiteIdentity,
         /// What became of it.
         report: &'e UnitReport,
+        /// What was measured in every run.
+        requests: &'e Requests,
     },
     /// No more units begin.
     Stopping(Stopping),

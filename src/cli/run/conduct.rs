@@ -15,7 +15,7 @@ use crate::cli::set::SetArguments;
 use crate::cli::{number, store};
 use report::console::{Output, stderr, stdout};
 use report::{Live, StatusLevel, Terminal, render_controllers, render_gates, render_ratings};
-use results::Results;
+use results::{Reporter, Results};
 use runner::project::Project;
 use runner::run::{Executor, Stop};
 use runner::session::{RunWatch, Selection, Session, Units};
@@ -144,6 +144,8 @@ pub struct ConductOrders<'o> {
     /// Whether the results are to have the courses of runs that reports draw.
     pub courses: bool,
     pub every_trial: bool,
+    /// Who hears what happens besides the terminal, and sees every metric of runs.
+    pub besides: Option<&'o mut dyn Reporter>,
     /// Whether what was stopped is to be run again, so that nobody has to be told, and what it did not come to is not remembered.
     pub is_repeated: bool,
     /// Whether all runs were made before: then nothing is gone on from but their results.
@@ -223,6 +225,7 @@ impl ConductArguments {
             watch,
             courses,
             every_trial,
+            besides,
             is_repeated,
             is_merged,
         } = orders;
@@ -235,7 +238,7 @@ impl ConductArguments {
         });
         let mut session = Session::new(project)
             .executor(executor)
-            .every_metric(is_merged)
+            .every_metric(is_merged || besides.is_some())
             .stopped_by(stop)
             .verify_runs(self.verify.runs())
             .after_seeds(tried.earlier(project.suites()))
@@ -252,7 +255,7 @@ impl ConductArguments {
         let live = shows_progress(self.no_progress).then(Live::new);
         session = session.pilot_runs(!is_merged && live.is_some() && self.status_level.0 != StatusLevel::Dot);
         let terminal = Terminal::new(self.status_level.0, colour, live);
-        let mut learning = Learning { terminal, units, last, repeated: is_repeated.then_some(stop) };
+        let mut learning = Learning { terminal, units, last, repeated: is_repeated.then_some(stop), besides };
         let mut complaints = Vec::new();
         let mut results = session.run_units(units, &selection, &mut learning).unwrap_or_else(|error| {
             complaints.push(error.to_string());

@@ -219,6 +219,13 @@ pub fn run(arguments: RunArguments, registry: &Registry, program: &Command) -> E
     let watcher =
         arguments.trace.as_deref().map(|folder| watch::Traces::new(folder, arguments.trace_columns));
     let watch = watcher.as_ref().map(|traces| |case: &_, trace: &_| traces.save(case, trace));
+    let mut lines = match arguments.output.begin_lines(&units, &chosen, in_github_actions()) {
+        Ok(lines) => lines,
+        Err(complaint) => {
+            writeln!(stderr(), "error: {complaint}");
+            return Exit::Output;
+        }
+    };
     let orders = ConductOrders {
         project: &project,
         units: &units,
@@ -228,12 +235,14 @@ pub fn run(arguments: RunArguments, registry: &Registry, program: &Command) -> E
         watch: watch.as_ref().map(|watch| watch as &RunWatch),
         courses: arguments.output.draw_runs(),
         every_trial: arguments.output.need_every_trial(in_github_actions()),
+        besides: lines.as_mut().map(output::WrittenLines::reporter),
         is_repeated: false,
         is_merged: false,
     };
     let Conducted { results, mut complaints, notices } = conduct.conduct(orders, &mut last);
     let reports = &results.suites;
     complaints.extend(watcher.as_ref().map(watch::Traces::finish).unwrap_or_default());
+    complaints.extend(lines.and_then(output::WrittenLines::end));
     complaints.extend(output::write(&arguments.output, &results, in_github_actions()));
     complaints.extend(wire::write(arguments.record_wire.as_deref(), processes.as_deref()));
     complaints.extend(remember::failures(&arguments.remember, suites, reports, &results.requests));

@@ -1,7 +1,7 @@
 //! The reports of a session that go elsewhere than to the terminal.
 
 use std::env;
-use std::io::{self, Write};
+use std::io::{self, BufWriter, IntoInnerError, Write};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -9,9 +9,11 @@ use clap::Args;
 use files::{WholeFile, append_text};
 use report::console::stdout;
 use report::{
-    Repository, annotations, step_summary, to_html, write_csv, write_json, write_junit, write_runs, write_tap,
+    Repository, RunLines, annotations, step_summary, to_html, write_csv, write_json, write_junit, write_runs,
+    write_tap,
 };
-use results::Results;
+use results::{Reporter, Results};
+use runner::session::Units;
 
 #[derive(Debug, Args)]
 pub struct OutputArguments {
@@ -90,7 +92,30 @@ impl OutputArguments {
 impl OutputArguments {
     /// Whether a report that is to be made names every trial, and so needs all of them to the end.
     pub fn need_every_trial(&self, on_github: bool) -> bool {
-        !self.files().is_empty() || self.github || on_github
+        (!self.files().is_empty() || self.github || on_github) && !self.are_runs_alone(on_github)
+    }
+
+    /// Whether lines of runs are all that is to be written, so that they are written as units end, and nothing is held for them.
+    fn are_runs_alone(&self, on_github: bool) -> bool {
+        matches!(self.files()[..], [("--runs", _)]) && !self.github && !on_github
+    }
+
+    /// Begins to write the lines of runs, if they are all that is asked for.
+    ///
+    /// # Errors
+    /// What to say of a file that cannot be written.
+    pub fn begin_lines(
+        &self,
+        units: &Units,
+        chosen: &[bool],
+        on_github: bool,
+    ) -> Result<Option<WrittenLines>, String> {
+        let Some(path) = self.runs.as_ref().filter(|_| self.are_runs_alone(on_github)) else {
+            return Ok(None);
+        };
+        let file = WholeFile::create(path).map_err(|error| cannot_write(path, &error))?;
+        let units = (0..units.len()).filter(|unit| chosen[*unit] && !units.is_block(*unit)).collect();
+        Ok(Some(WrittenLines { path: path.clone(), lines: RunLines::new(BufWriter::new(file), units) }))
     }
 
     /// Whether a report that was asked for draws runs.
@@ -99,7 +124,33 @@ impl OutputArguments {
     }
 }
 
-/// Writes whatever was asked for, and returns what could not be written. GitHub is told if that was asked for, or
+/// Lines of runs, written while these are made.
+pub struct WrittenLines {
+    path: PathBuf,
+    lines: RunLines<BufWriter<WholeFile>>,
+}
+
+impl WrittenLines {
+    /// Who has to be told what happens.
+    pub fn reporter(&mut self) -> &mut dyn Reporter {
+        &mut self.lines
+    }
+
+    /// Makes the file whole, or says why that cannot be.
+    pub fn end(self) -> Option<String> {
+        let whole = self.lines.finish().and_then(|out| out.into_inner().map_err(IntoInnerError::into_error));
+        match whole.and_then(WholeFile::commit) {
+            Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Some(cannot_write(&self.path, &error)),
+            _ => None,
+        }
+    }
+}
+
+fn cannot_write(path: &Path, error: &io::Error) -> String {
+    format!("cannot write {}: {error}", path.display())
+}
+
+/// Writes whatever was asked for but lines that [are written already](OutputArguments::begin_lines), and returns what could not be written. GitHub is told if that was asked for, or
 /// `on_github`.
 pub fn write(arguments: &OutputArguments, results: &Results, on_github: bool) -> Vec<String> {
     let mut complaints = Vec::new();
@@ -108,7 +159,7 @@ pub fn write(arguments: &OutputArguments, results: &Results, on_github: bool) ->
         match save(path, content) {
             // Nobody reads it any more, which is the reader's choice.
             Err(error) if error.kind() == io::ErrorKind::BrokenPipe => {}
-            Err(error) => complaints.push(format!("cannot write {}: {error}", path.display())),
+            Err(error) => complaints.push(cannot_write(path, &error)),
             Ok(()) => {}
         }
     };
@@ -117,7 +168,9 @@ pub fn write(arguments: &OutputArguments, results: &Results, on_github: bool) ->
     write(&arguments.json, &|out| write_json(results, out));
     write(&arguments.tap, &|out| write_tap(results, out));
     write(&arguments.html, &|out| out.write_all(to_html(results).as_bytes()));
-    write(&arguments.runs, &|out| write_runs(results, out));
+    if !arguments.are_runs_alone(on_github) {
+        write(&arguments.runs, &|out| write_runs(results, out));
+    }
     write(&arguments.csv, &|out| write_csv(results, out));
     if arguments.github || on_github {
         complaints.extend(tell_github(results, &repository));

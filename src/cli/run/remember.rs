@@ -146,6 +146,8 @@ pub struct Learning<'l, 'a> {
     pub last: &'l mut LastRun,
     /// Who stops what is then run again from the beginning: nobody has to be told of that, and what was stopped has not failed.
     pub repeated: Option<&'l Stop>,
+    /// Who hears all of it as well.
+    pub besides: Option<&'l mut dyn Reporter>,
 }
 
 impl Reporter for Learning<'_, '_> {
@@ -155,7 +157,10 @@ impl Reporter for Learning<'_, '_> {
             return;
         }
         self.terminal.tell(event);
-        if let Event::Finished { unit, suite, report } = event {
+        if let Some(besides) = &mut self.besides {
+            besides.tell(event);
+        }
+        if let Event::Finished { unit, suite, report, .. } = event {
             let planned = || match self.units.get(*unit).work {
                 Work::Trial(planned) => planned,
                 Work::Recorded(_) | Work::Block(_) => unreachable!("its report is a trial's"),

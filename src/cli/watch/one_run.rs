@@ -103,6 +103,7 @@ impl Wishes<'_> {
             watch: None,
             courses: true,
             every_trial: true,
+            besides: None,
             is_repeated: true,
             is_merged: false,
         };

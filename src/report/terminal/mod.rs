@@ -239,7 +239,7 @@ impl Reporter for Terminal {
                     running.evaluated(*evaluations, running.begun.elapsed());
                 }
             }
-            Event::Finished { unit, suite, report } => self.finish(*unit, suite, report),
+            Event::Finished { unit, suite, report, .. } => self.finish(*unit, suite, report),
             Event::Stopping(stopping) => self.stop(*stopping),
             Event::Tick => {}
             Event::Ended { reports, requests, elapsed } => {

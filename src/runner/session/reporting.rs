@@ -127,7 +127,8 @@ impl<'t, 'a> Reporting<'t, 'a> {
     fn finished(&mut self, unit: usize, report: UnitReport) {
         let suite = self.units.suite(unit);
         let identity = self.runner.identity(suite);
-        self.reporter.tell(&Event::Finished { unit, suite: &identity, report: &report });
+        let requests = self.runner.requests();
+        self.reporter.tell(&Event::Finished { unit, suite: &identity, report: &report, requests });
         match (report, self.units.kind(unit)) {
             (UnitReport::Trial(trial), UnitKind::Trial { place, .. }) => {
                 self.trials[suite].take(place, trial)
