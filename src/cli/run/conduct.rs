@@ -255,6 +255,8 @@ impl ConductArguments {
         let live = shows_progress(self.no_progress).then(Live::new);
         session = session.pilot_runs(!is_merged && live.is_some() && self.status_level.0 != StatusLevel::Dot);
         let terminal = Terminal::new(self.status_level.0, colour, live);
+        // A shorter life of its own.
+        let besides = besides.map(|one| one as &mut dyn Reporter);
         let mut learning = Learning { terminal, units, last, repeated: is_repeated.then_some(stop), besides };
         let mut complaints = Vec::new();
         let mut results = session.run_units(units, &selection, &mut learning).unwrap_or_else(|error| {
