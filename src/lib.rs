@@ -166,6 +166,14 @@ pub mod shards {
     };
 }
 
+/// Ray and Slurm, which have commands done on other machines.
+pub mod engines {
+    pub use engines::{
+        EndedTask, Engine, EngineError, EngineEvent, EngineName, EngineOptions, RAY_VERSION, Ray, Slurm,
+        Task, TaskEnd, run_slices,
+    };
+}
+
 /// The texts of files by themselves: to be checked, formatted, written in the other notation, and what editors ask about them.
 pub mod language {
     pub use lang::filter;

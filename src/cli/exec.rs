@@ -29,7 +29,7 @@ Exit code 0 says that all results of the share are there, whatever they are; `me
 Examples:
   scenario-runner exec manifest.jsonl --results results                             all of it
   scenario-runner exec manifest.jsonl --partition slice:3/40 --results results      share 3 of 40
-  scenario-runner exec manifest.jsonl --on slurm --results results                  all of it, on a cluster")]
+  scenario-runner exec manifest.jsonl --on slurm --results results                  by a cluster")]
 pub struct ExecArguments {
     /// What `plan` wrote.
     #[arg(value_name = "MANIFEST")]

@@ -33,6 +33,7 @@ const PACKAGES: [(&str, &[&str]); 15] = [
             "scenario",
             "sim",
             "under_test",
+            "engines",
             "results",
             "models",
             "lang",
