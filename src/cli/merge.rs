@@ -1,6 +1,6 @@
 //! `scenario-runner merge MANIFEST --results DIR`: judges the results of a plan, and writes the reports of one machine.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf, absolute};
 
 use clap::Args;
 
@@ -10,6 +10,7 @@ use super::planned::{PlannedProject, said};
 use super::run::conduct::{ConductOrders, Conducted, ShowArguments};
 use super::run::output::{self, OutputArguments, WrittenLines};
 use super::run::{Deny, LastRun, in_github_actions, judged, targets};
+use files::{Disk, Files};
 use report::console::stderr;
 use results::shell_word;
 use runner::run::{AbsentRuns, FromResults, Threads};
@@ -58,7 +59,9 @@ fn merged(arguments: MergeArguments, registry: &Registry) -> Result<Exit, Exit> 
     let suites = planned.project.suites();
     let own = manifest.to_string_lossy();
     let read: Vec<&str> = targets::read_by(suites).into_iter().chain([&*own]).collect();
-    if let Err(complaint) = targets::check(&reports.files(), &read) {
+    let complaint =
+        targets::check(&reports.files(), &read).err().or_else(|| among_results(&reports, &folder));
+    if let Some(complaint) = complaint {
         writeln!(stderr(), "error: {complaint}");
         writeln!(stderr(), "help: name another file; nothing was written");
         return Err(Exit::Usage);
@@ -120,4 +123,16 @@ fn merged(arguments: MergeArguments, registry: &Registry) -> Result<Exit, Exit> 
         () if !complaints.is_empty() => Exit::Output,
         () => judged(&results, &deny),
     })
+}
+
+/// What to say of a report that would lie among the results, where it would take the place of some.
+fn among_results(reports: &OutputArguments, results: &Path) -> Option<String> {
+    let results = Disk.identity(results);
+    // What is not there yet is where the nearest folder is that is there.
+    let lies_there = |path: &Path| {
+        let path = absolute(path).unwrap_or_else(|_| path.to_path_buf());
+        path.ancestors().any(|one| Disk.identity(one) == results)
+    };
+    let (option, path) = reports.files().into_iter().find(|(_, path)| lies_there(path))?;
+    Some(format!("{option} {} would lie among the results", path.display()))
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::filter::{self, FilterArguments};
-use super::planned::{own_build, permission_digest, planned_programs, programs, said, texts};
+use super::planned::{own_build, permission_digest, planned_programs, programs, run_digests, said, texts};
 use super::programs::{ProgramArguments, VerifyArguments, say_all};
 use super::run::conduct::Colour;
 use super::run::select::{self, SelectArguments};
@@ -14,7 +14,7 @@ use super::set::SetArguments;
 use super::{Exit, load, number};
 use lang::filter::Show;
 use report::console::{stderr, stdout};
-use runner::run::{RunDigests, Threads};
+use runner::run::Threads;
 use runner::session;
 use runner::shards::{ManifestHeader, ManifestReader, Planner, canary, write_manifest};
 use scenario::registry::Registry;
@@ -26,7 +26,7 @@ use scenario::registry::Registry;
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Examples:
-  scenario-runner plan suites/*.suite --out manifest.jsonl        all of it
+  scenario-runner plan suites/paper.suite --out manifest.jsonl    all of it
   scenario-runner exec manifest.jsonl --partition slice:3/40 --results results
                                                                   on machine 3 of 40
   scenario-runner merge manifest.jsonl --results results --junit junit.xml
@@ -116,7 +116,7 @@ fn planned(arguments: PlanArguments, registry: &Registry) -> Result<Exit, Exit> 
     }
     let build = own_build()?;
     let threads = arguments.test_threads.map_or_else(Threads::all, Threads::new);
-    let digests = RunDigests::new(&build.identity(), own.clone());
+    let digests = run_digests(&build, &verify, &own);
     let planner = Planner::new(&project, &units, &threads, &digests).map_err(|error| said(&error))?;
     let canary = canary(registry).map_err(|error| said(&error))?;
     let mut header = ManifestHeader::new(build, canary);

@@ -15,7 +15,7 @@ use runner::project::Project;
 use runner::run::RunDigests;
 use runner::shards::{Build, ManifestReader, PlannedProgram, ShardError};
 use scenario::registry::Registry;
-use scenario::{DeclaredProgram, ProgramKind, TextDigest, sha256};
+use scenario::{DeclaredProgram, Gate, ProgramKind, TextDigest, sha256};
 
 /// A program that decides, and the digest of its declaration and its files.
 pub type ProgramDigest = (Arc<DeclaredProgram>, String);
@@ -51,7 +51,7 @@ impl PlannedProject {
         same_texts(&header.texts, &texts(&project))?;
         let programs = programs(&project)?;
         same_programs(&header.programs, &planned_programs(&programs))?;
-        let digests = RunDigests::new(&build.identity(), programs.clone());
+        let digests = run_digests(&build, &verify, &programs);
         Ok(Self { manifest, project, programs, digests, verify })
     }
 }
@@ -64,6 +64,13 @@ pub fn own_build() -> Result<Build, Exit> {
     })
 }
 
+/// Of the runs of this build. Where programs decide, which runs are made twice is part of what results hold.
+pub fn run_digests(build: &Build, verify: &VerifyArguments, programs: &[ProgramDigest]) -> RunDigests {
+    let made_twice =
+        if programs.is_empty() { String::new() } else { format!(", made twice: {}", verify.word()) };
+    RunDigests::new(&format!("{}{made_twice}", build.identity()), programs.to_vec())
+}
+
 /// Says what is wrong.
 pub fn said(error: &ShardError) -> Exit {
     writeln!(stderr(), "error: {error}");
@@ -74,9 +81,15 @@ pub fn said(error: &ShardError) -> Exit {
     }
 }
 
-/// What the files of a project are.
+/// What the files of a project are, with the baselines that its gates compare with. Of one that cannot be read its gate tells.
 pub fn texts(project: &Project) -> Vec<TextDigest> {
-    let mut all: Vec<TextDigest> = project.suites().iter().flat_map(|one| one.suite.texts.clone()).collect();
+    let suites = || project.suites().iter().map(|one| &one.suite);
+    let baseline = |gate: &Gate| {
+        let digest = files::digest(Path::new(&gate.baseline)).ok()?;
+        Some(TextDigest { file: gate.baseline.clone(), sha256: hexadecimal(&digest) })
+    };
+    let mut all: Vec<TextDigest> = suites().flat_map(|suite| suite.texts.clone()).collect();
+    all.extend(suites().flat_map(|suite| &suite.gates).filter_map(baseline));
     all.sort_by(|one, other| (&one.file, &one.sha256).cmp(&(&other.file, &other.sha256)));
     all.dedup();
     all
@@ -165,5 +178,9 @@ fn program_digest(program: &DeclaredProgram) -> Result<String, Exit> {
         hash.update(format!("{}\n", path.display()));
         hash.update(digest);
     }
-    Ok(hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
+    Ok(hexadecimal(&hash.finalize()))
+}
+
+fn hexadecimal(digest: &[u8]) -> String {
+    digest.iter().map(|byte| format!("{byte:02x}")).collect()
 }

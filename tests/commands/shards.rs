@@ -159,6 +159,12 @@ fn what_is_not_there_or_not_of_the_plan_is_no_green() {
         &["merge", "manifest.jsonl", "--results", "results", "--json", "manifest.jsonl"],
         &["would replace a file"],
     );
+    for among in ["results/new.runs", "results/00/new.runs", "./results/new.runs"] {
+        refused(
+            &["merge", "manifest.jsonl", "--results", "results", "--runs", among],
+            &["would lie among the results"],
+        );
+    }
     let exec = ["exec", "manifest.jsonl", "--results", "results"];
     let suite = fs::read_to_string(folder.join("crossing.suite")).unwrap();
     fs::write(folder.join("crossing.suite"), suite.replace("tta in [3 s", "tta in [3.5 s")).unwrap();

@@ -429,3 +429,34 @@ fn two_workers_in_one_folder_leave_one_result_each() {
     assert_eq!(failed.into_inner(), 0);
     merge(&place, &project, &manifest).unwrap();
 }
+
+/// The same result for every run, as somebody might put it there.
+struct OneForAll<'r> {
+    results: &'r ResultFiles,
+    first: std::sync::OnceLock<crate::run::StoredRun>,
+}
+
+impl crate::run::RunResults for OneForAll<'_> {
+    fn find(&self, run: &crate::run::RunDigest) -> Result<Option<crate::run::StoredRun>, String> {
+        let own = self.results.find(run)?;
+        Ok(own.map(|own| self.first.get_or_init(|| own).clone()))
+    }
+
+    fn keep(&self, _: crate::run::RunDigest, _: crate::run::StoredRun) {}
+}
+
+#[test]
+fn a_result_of_another_run_is_not_taken() {
+    let place = Place::new();
+    let project = place.project();
+    let manifest = plan(&place, &project, |key| key.starts_with("everything/walker/"));
+    execute(&place, &project, &manifest, &Threads::new(2), &|_, _| true).unwrap();
+    let results = ResultFiles::open(&place.results(), &manifest, "exec").unwrap();
+    let (stop, digests, nobody) = (Stop::default(), digests(), Nobody(Threads::new(1)));
+    let swapped = OneForAll { results: &results, first: std::sync::OnceLock::new() };
+    let executor = FromResults::new(&nobody, &digests, &swapped, AbsentRuns::Refused, &stop);
+    let chosen = chosen(&manifest, &units(project.suites())).unwrap();
+    session(&project, &executor, Selection::marked(chosen), &stop);
+    let troubles = executor.troubles();
+    assert!(troubles.iter().any(|one| one.contains("is of another run")), "{troubles:?}");
+}
