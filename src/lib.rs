@@ -161,8 +161,8 @@ pub mod run {
 pub mod shards {
     pub use runner::shards::{
         BatchProgress, Batches, Build, Executed, Execution, ManifestHeader, ManifestReader, ManifestUnit,
-        PlannedProgram, PlannedUnit, Planner, ResultFiles, ShardError, UnitBatch, canary, chosen,
-        write_manifest,
+        PlannedProgram, PlannedUnit, Planner, ResultFiles, ShardError, UnitBatch, WrittenManifest, canary,
+        chosen, write_manifest,
     };
 }
 

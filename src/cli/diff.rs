@@ -12,14 +12,15 @@ use super::load;
 use super::one_case::{FoundCase, KeyArguments, could_not_run, look_for, values};
 use super::run::targets;
 use super::set::SetArguments;
+use files::escape::shell_word;
 use lang::{Override, Replacement, Style};
 use report::console::{stderr, stdout};
 use report::{
     BaselineDiff, DiffSide, RunDiff, baseline_diff_json, diff_json, diff_to_html, render_baseline_diff,
     render_diff,
 };
+use results::Requests;
 use results::judge::baseline::Baseline;
-use results::{Requests, shell_word};
 use runner::baseline::{NotKept, against_baseline};
 use runner::diff::{NoCounterpart, counterpart, two_runs};
 use runner::plan::PlannedTrial;

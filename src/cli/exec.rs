@@ -8,7 +8,7 @@ use serde_json::json;
 
 use super::interrupt::stop_on_interrupt;
 use super::on_engine::{EngineArguments, Shares};
-use super::planned::{PlannedProject, is_known_whole, permission_digest, said};
+use super::planned::{PlannedProject, permission_digest, said};
 use super::programs::ProgramArguments;
 use super::run::conduct::Colour;
 use super::run::partition::Partition;
@@ -98,7 +98,7 @@ fn executed(arguments: &ExecArguments, registry: &Registry) -> Result<Exit, Exit
         verify: planned.verify.runs(),
         folder: &arguments.results,
         mine: &mine,
-        reuse: arguments.reuse || planned.programs.iter().all(|(program, _)| is_known_whole(program)),
+        reuse: arguments.reuse || planned.programs.iter().all(|(program, _)| program.is_known_whole()),
         canary: &canary,
         stop: &stop,
     };

@@ -4,15 +4,16 @@ use std::path::{Path, PathBuf, absolute};
 
 use clap::Args;
 
-use super::Exit;
 use super::interrupt::stop_on_interrupt;
 use super::planned::{PlannedProject, said};
-use super::run::conduct::{ConductOrders, Conducted, ShowArguments};
+use super::programs::ProgramArguments;
+use super::run::conduct::{ConductArguments, ConductOrders, Conducted, ShownArguments};
 use super::run::output::{self, OutputArguments, WrittenLines};
 use super::run::{Deny, LastRun, in_github_actions, judged, targets};
+use super::{Exit, number};
+use files::escape::shell_word;
 use files::{Disk, Files};
 use report::console::stderr;
-use results::shell_word;
 use runner::run::{AbsentRuns, FromResults, Threads};
 use runner::session::{self, Selection};
 use runner::shards::{ResultFiles, chosen};
@@ -40,8 +41,15 @@ pub struct MergeArguments {
     #[command(flatten)]
     output: OutputArguments,
 
+    /// Number of threads, at most 1024 [default: one per core]. Runs that reports draw are made again, and blocks think.
+    #[arg(long, short = 'j', visible_alias = "jobs", value_name = "N", value_parser = number::threads())]
+    test_threads: Option<usize>,
+
     #[command(flatten)]
-    show: ShowArguments,
+    programs: ProgramArguments,
+
+    #[command(flatten)]
+    shown: ShownArguments,
 
     /// What does not count as passed, though by itself it does.
     #[arg(long, value_enum, value_name = "WHAT")]
@@ -53,9 +61,10 @@ pub fn merge(arguments: MergeArguments, registry: &Registry) -> Exit {
 }
 
 fn merged(arguments: MergeArguments, registry: &Registry) -> Result<Exit, Exit> {
-    let MergeArguments { manifest, results: folder, output: reports, show, deny } = arguments;
+    let MergeArguments { manifest, results: folder, output: reports, test_threads, programs, shown, deny } =
+        arguments;
     let planned = PlannedProject::open(&manifest, false, registry)?;
-    let conduct = show.conduct(planned.verify);
+    let conduct = ConductArguments::of_results(test_threads, programs, planned.verify, shown);
     let suites = planned.project.suites();
     let own = manifest.to_string_lossy();
     let read: Vec<&str> = targets::read_by(suites).into_iter().chain([&*own]).collect();

@@ -12,8 +12,8 @@ use super::interrupt::stop_on_interrupt;
 use super::planned::{PlannedProject, permission_digest, said};
 use super::programs::{ProgramArguments, say_all};
 use engines::{EndedTask, EngineError, EngineEvent, EngineName, EngineOptions, TaskEnd, run_slices};
+use files::escape::shell_word;
 use report::console::{stderr, stdout};
-use results::shell_word;
 
 /// What a slice takes by default, s on one core.
 const SLICE: f64 = 300.0;

@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::filter::{self, FilterArguments};
+use super::filter;
 use super::planned::{own_build, permission_digest, planned_programs, programs, run_digests, said, texts};
 use super::programs::{ProgramArguments, VerifyArguments, say_all};
 use super::run::conduct::Colour;
-use super::run::select::{self, SelectArguments};
+use super::run::select::{self, SubjectArguments};
 use super::run::{hints, targets};
 use super::set::SetArguments;
 use super::{Exit, load, number};
@@ -16,7 +16,7 @@ use lang::filter::Show;
 use report::console::{stderr, stdout};
 use runner::run::Threads;
 use runner::session;
-use runner::shards::{ManifestHeader, ManifestReader, Planner, canary, write_manifest};
+use runner::shards::{ManifestHeader, Planner, WrittenManifest, canary, write_manifest};
 use scenario::registry::Registry;
 
 /// Writes down what there is to be run: a line a unit, which is some runs of a trial, or a whole search, tune or other block.
@@ -39,15 +39,7 @@ pub struct PlanArguments {
     words: Vec<String>,
 
     #[command(flatten)]
-    filters: FilterArguments,
-
-    /// The filter is the whole name of a trial or block.
-    #[arg(long)]
-    exact: bool,
-
-    /// Leave out trials and blocks whose name contains this; may be repeated.
-    #[arg(long, value_name = "FILTER")]
-    skip: Vec<String>,
+    filters: SubjectArguments,
 
     /// Replaces the seed of every suite.
     #[arg(long, value_name = "SEED")]
@@ -80,15 +72,14 @@ pub fn plan(arguments: PlanArguments, registry: &Registry) -> Exit {
 }
 
 fn planned(arguments: PlanArguments, registry: &Registry) -> Result<Exit, Exit> {
-    let PlanArguments { words, filters, exact, skip, seed, set, programs: permission, verify, out, .. } =
-        arguments;
+    let PlanArguments { words, filters, seed, set, programs: permission, verify, out, .. } = arguments;
     let colour = arguments.color.wanted(stderr());
     let (names, others): (Vec<_>, Vec<_>) = words.iter().partition(|word| load::names_a_file(word));
     if names.is_empty() {
         return Err(hints::project());
     }
     hints::one_filter(&others)?;
-    let expressions = filters.read(colour)?;
+    let expressions = filters.expressions.read(colour)?;
     let project = load::load_all(&names, seed, &set, colour, registry)?;
     let suites = project.suites();
     if let Err(complaint) = targets::check(&[("--out", out.as_path())], &targets::read_by(suites)) {
@@ -100,10 +91,11 @@ fn planned(arguments: PlanArguments, registry: &Registry) -> Result<Exit, Exit> 
         units.iter().for_each(|unit| select::with_subject(suites, &unit, &mut *show));
     };
     filter::warn(&expressions, &each, colour);
-    let asked = SelectArguments { expressions: filters, exact, skip, last_failed: false, partition: None };
     let word = others.first().map(|word| word.as_str());
-    let chosen =
-        session::with_needs(&units, select::select(suites, &units, &expressions, word, &asked, None));
+    let chosen = session::with_needs(
+        &units,
+        select::select(suites, &units, &expressions, word, (&filters, None), None),
+    );
     if !chosen.contains(&true) {
         writeln!(stderr(), "error: no trial is selected");
         writeln!(stderr(), "help: `run --list` shows the names of all trials and blocks");
@@ -127,24 +119,21 @@ fn planned(arguments: PlanArguments, registry: &Registry) -> Result<Exit, Exit> 
     header.texts = texts(&project);
     header.programs = planned_programs(&own);
     let allowed = (!own.is_empty()).then(|| permission_digest(&header.programs));
-    if let Err(error) = write_manifest(&out, header, planner.plan(&chosen), &units) {
+    let written = write_manifest(&out, header, planner.plan(&chosen), &units).map_err(|error| {
         writeln!(stderr(), "error: cannot write {}: {error}", out.display());
-        return Err(Exit::Output);
-    }
-    told(&out, allowed.as_deref())
+        Exit::Output
+    })?;
+    told(&out, written, allowed.as_deref());
+    Ok(Exit::Success)
 }
 
 /// Says what is in the manifest, and what to do with it.
-fn told(out: &Path, allowed: Option<&str>) -> Result<Exit, Exit> {
-    let manifest = ManifestReader::open(out).map_err(|error| said(&error))?;
-    let batches = manifest.batches().map_err(|error| said(&error))?.count();
-    let header = manifest.header();
+fn told(out: &Path, WrittenManifest { units, batches, seconds }: WrittenManifest, allowed: Option<&str>) {
     writeln!(
         stdout(),
-        "{}: {} units in {batches} batches, about {:.0} s on one core",
+        "{}: {units} units in {batches} batches, about {:.0} s on one core",
         out.display(),
-        header.units,
-        header.seconds.ceil()
+        seconds.ceil()
     );
     let option = allowed.map_or_else(String::new, |digest| format!(" --allow-run-digest {digest}"));
     writeln!(
@@ -153,5 +142,4 @@ fn told(out: &Path, allowed: Option<&str>) -> Result<Exit, Exit> {
         out.display()
     );
     writeln!(stdout(), "  scenario-runner merge {} --results results", out.display());
-    Ok(Exit::Success)
 }

@@ -9,13 +9,13 @@ use super::program_files::program_files;
 use super::programs::{VerifyArguments, declared};
 use super::set::SetArguments;
 use super::{Exit, load};
-use files::Disk;
+use files::{Disk, hexadecimal};
 use report::console::stderr;
 use runner::project::Project;
 use runner::run::RunDigests;
 use runner::shards::{Build, ManifestReader, PlannedProgram, ShardError};
 use scenario::registry::Registry;
-use scenario::{DeclaredProgram, Gate, ProgramKind, TextDigest, sha256};
+use scenario::{DeclaredProgram, Gate, TextDigest, sha256};
 
 /// A program that decides, and the digest of its declaration and its files.
 pub type ProgramDigest = (Arc<DeclaredProgram>, String);
@@ -144,11 +144,6 @@ pub fn permission_digest(programs: &[PlannedProgram]) -> String {
     sha256(lines.collect::<String>().as_bytes())
 }
 
-/// Whether the files that a program consists of are all known, so that its results may be taken again.
-pub fn is_known_whole(program: &DeclaredProgram) -> bool {
-    !matches!(program.kind, ProgramKind::Command(_)) && !program.may_differ()
-}
-
 /// Over all of a declaration that decides runs, and all bytes of the files that it names.
 fn program_digest(program: &DeclaredProgram) -> Result<String, Exit> {
     let DeclaredProgram {
@@ -179,8 +174,4 @@ fn program_digest(program: &DeclaredProgram) -> Result<String, Exit> {
         hash.update(digest);
     }
     Ok(hexadecimal(&hash.finalize()))
-}
-
-fn hexadecimal(digest: &[u8]) -> String {
-    digest.iter().map(|byte| format!("{byte:02x}")).collect()
 }

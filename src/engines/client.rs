@@ -21,14 +21,6 @@ pub struct ClientOutput {
     pub stderr: String,
 }
 
-/// Makes the command the leader of a group.
-pub fn in_own_group(command: &mut Command) {
-    #[cfg(unix)]
-    std::os::unix::process::CommandExt::process_group(command, 0);
-    #[cfg(not(unix))]
-    let _ = command;
-}
-
 /// Ends the group of a child that nobody has waited for, since its number may be another's then; how that ended.
 pub fn end_group(child: &mut Child) -> Option<ExitStatus> {
     #[cfg(unix)]
@@ -54,18 +46,28 @@ pub fn has_ended(child: &mut Child) -> bool {
     !matches!(child.try_wait(), Ok(None))
 }
 
+/// Starts one in a group of its own, whose standard streams are heard; `install` says what to do where there is none.
+pub fn start(command: &mut Command, install: &str) -> Result<Child, EngineError> {
+    command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    #[cfg(unix)]
+    std::os::unix::process::CommandExt::process_group(command, 0);
+    command.spawn().map_err(|error| {
+        let name = command.get_program().to_string_lossy();
+        match error.kind() {
+            io::ErrorKind::NotFound => EngineError::Missing(format!("there is no `{name}` here: {install}")),
+            _ => EngineError::Failed(format!("`{name}`: {error}")),
+        }
+    })
+}
+
 /// Runs a client to its end.
 ///
 /// # Errors
 /// [`EngineError::Missing`] with `install` if there is no such program; [`EngineError::Failed`] if it does not end.
 pub fn ask(command: &mut Command, install: &str) -> Result<ClientOutput, EngineError> {
     let name = command.get_program().to_string_lossy().into_owned();
-    let failed = |error: io::Error| match error.kind() {
-        io::ErrorKind::NotFound => EngineError::Missing(format!("there is no `{name}` here: {install}")),
-        _ => EngineError::Failed(format!("`{name}`: {error}")),
-    };
-    in_own_group(command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()));
-    let mut child = command.spawn().map_err(failed)?;
+    let failed = |error: io::Error| EngineError::Failed(format!("`{name}`: {error}"));
+    let mut child = start(command.stdin(Stdio::null()), install)?;
     let stdout = read(child.stdout.take());
     let stderr = read(child.stderr.take());
     let until = Instant::now() + LONGEST;

@@ -1,6 +1,7 @@
 //! Words for a shell.
 
 use super::error::EngineError;
+use files::escape::shell_word;
 
 /// A word as a POSIX shell reads it back, on one line.
 ///
@@ -12,7 +13,7 @@ pub fn quoted(word: &str) -> Result<String, EngineError> {
             "{word:?} has a line break or a zero byte, which no task of Slurm may have"
         )));
     }
-    Ok(format!("'{}'", word.replace('\'', r"'\''")))
+    Ok(shell_word(word))
 }
 
 #[cfg(all(test, unix))]

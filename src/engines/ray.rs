@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
-use super::client::{end_group, has_ended, in_own_group};
+use super::client::{end_group, has_ended, start};
 use super::error::EngineError;
 use super::task::{EndedTask, Engine, EngineEvent, Ledger, Task, TaskEnd};
 
@@ -108,12 +108,7 @@ impl Bridge {
         }
         let mut command = Command::new(python);
         command.args(["-u", "-m", "scenario_runner_av.ray"]);
-        command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
-        in_own_group(&mut command);
-        let mut child = command.spawn().map_err(|error| match error.kind() {
-            io::ErrorKind::NotFound => EngineError::Missing(format!("there is no `{name}` here: {INSTALL}")),
-            _ => EngineError::Failed(format!("`{name}`: {error}")),
-        })?;
+        let mut child = start(command.stdin(Stdio::piped()), INSTALL)?;
         let (asking, until) = mpsc::channel();
         let (telling, lines) = mpsc::channel();
         let tail = Arc::default();

@@ -10,6 +10,7 @@ use sha2::{Digest, Sha256};
 use super::error::EngineError;
 use super::quote::quoted;
 use super::task::{EndedTask, Task, TaskEnd};
+use files::hexadecimal;
 
 /// Raised when the file has another meaning.
 const FORMAT: u32 = 1;
@@ -47,18 +48,14 @@ pub struct SlurmArray {
 /// The digest of what is asked for: of equal tasks with equal options it is equal.
 pub fn digest(tasks: &[Task], options: &[String]) -> String {
     let text = serde_json::to_vec(&(tasks, options)).unwrap_or_default();
-    hex(&Sha256::digest(text))
-}
-
-fn hex(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+    hexadecimal(&Sha256::digest(text))
 }
 
 impl Submission {
     /// A new one.
     pub fn new(asked: String) -> Self {
         let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-        let own = hex(&Sha256::digest(format!("{asked} {} {}", process::id(), now.as_nanos())));
+        let own = hexadecimal(&Sha256::digest(format!("{asked} {} {}", process::id(), now.as_nanos())));
         let run = format!("scenario-runner-{}", &own[..16]);
         Self { format: FORMAT, asked, run, is_over: false, arrays: Vec::new() }
     }

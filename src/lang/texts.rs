@@ -392,7 +392,7 @@ impl<'f> Texts<'f> {
         diagnostic.hint("move what both need into a third file")
     }
 
-    /// Adds a text, unless it was parsed `ahead`, with all it uses.
+    /// Adds a text, whose tree is there if it was parsed `ahead`, with all it uses.
     fn add(
         &mut self,
         source: SourceId,

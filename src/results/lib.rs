@@ -95,8 +95,7 @@ pub use story::{
     CameOf, ContactMoment, FirstSeen, Neighbour, Otherwise, OtherwiseRun, Story, TriedDeceleration, WhatIf,
 };
 pub use suite::{
-    PeopleUsed, Program, SuiteIdentity, SuiteReport, TriedSeed, is_use, is_value, record_command,
-    set_options, shell_word,
+    PeopleUsed, Program, SuiteIdentity, SuiteReport, TriedSeed, is_use, is_value, record_command, set_options,
 };
 pub use summary::{
     AppliedCriteria, MOST_SHOWN, NearestRun, PassedTrial, ScenarioSummary, StandingCount, SuiteSummary,

@@ -15,6 +15,7 @@ use super::skip::Skip;
 use super::standing::Standing;
 use super::summary::SuiteSummary;
 use super::trial::TrialReport;
+use files::escape::shell_word;
 use numbers::json;
 use scenario::{TestedInstead, TextDigest};
 
@@ -119,11 +120,6 @@ pub fn is_value(said: &str) -> bool {
 /// Whether what was otherwise on the command line is a file that is read besides, on which no run depends.
 pub fn is_use(said: &str) -> bool {
     said.starts_with(USE)
-}
-
-/// As one word of a shell, which leaves everything alone within single quotes but the quote itself.
-pub fn shell_word(text: &str) -> String {
-    format!("'{}'", text.replace('\'', r"'\''"))
 }
 
 /// What to type to say the same otherwise again, with a space before each.

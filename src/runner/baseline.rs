@@ -8,6 +8,7 @@ use thiserror::Error;
 
 use crate::plan::{Plan, PlannedTrial};
 use crate::run::{Executor, departures, nothing_is_drawn};
+use files::hexadecimal;
 use results::judge::baseline::{Baseline, Parts, RecordedMetric, RecordedTrial, TestedVehicle};
 use results::judge::gate::vehicle_changes;
 use results::{AgainstBaseline, MetricThen, Outcome, Requests};
@@ -389,10 +390,9 @@ fn impersonal(case: &Case) -> Vec<PedestrianSetup> {
 
 fn hash(value: &impl Serialize, digits: usize) -> String {
     let text = serde_json::to_vec(value).expect("plain data serialises");
-    let bytes = Sha256::digest(text);
-    let mut hexadecimal: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
-    hexadecimal.truncate(digits);
-    hexadecimal
+    let mut all = hexadecimal(&Sha256::digest(text));
+    all.truncate(digits);
+    all
 }
 
 /// With few enough digits to read. What is nearer to 0 than a thousand-millionth of a unit is the rounding of a 0.

@@ -6,6 +6,8 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use files::hexadecimal;
+
 use super::{
     Calibrate, ControllerModel, Criterion, DeclaredBend, DeclaredDraw, DeclaredGround, DeclaredOtherRoad,
     DeclaredSignal, Distribution, DynamicsModel, Estimate, Evaluate, EvaluationError, Expression, Gate,
@@ -86,7 +88,7 @@ pub struct TextDigest {
 
 /// By which bytes are known: their SHA-256 in hexadecimal digits.
 pub fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+    hexadecimal(&Sha256::digest(bytes))
 }
 
 impl Suite {

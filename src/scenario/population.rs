@@ -13,7 +13,7 @@ use sha2::{Digest, Sha256};
 use thiserror::Error;
 
 use crate::{Declaration, Parameter, Settings, Value};
-use files::Files;
+use files::{Files, hexadecimal};
 
 pub use plausibility::Plausibility;
 
@@ -456,7 +456,7 @@ impl Population {
     pub fn digest(&self) -> String {
         let content = (&self.model, &self.variant, &self.parameters, &self.individuals, &self.weights);
         let text = serde_json::to_vec(&content).unwrap_or_default();
-        Sha256::digest(text).iter().take(8).map(|byte| format!("{byte:02x}")).collect()
+        hexadecimal(&Sha256::digest(text)[..8])
     }
 
     /// The lowest and the highest speed (m/s) of vehicles that its people were observed with, as its provenance says; `None` where it does

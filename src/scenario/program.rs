@@ -140,6 +140,12 @@ impl DeclaredProgram {
         self.is_nondeterministic || self.delay == Delay::Measured
     }
 
+    /// Whether all that it consists of is known by its declaration, and nothing makes the same run come out differently: equal runs are
+    /// equal then, whenever they are made.
+    pub fn is_known_whole(&self) -> bool {
+        !matches!(self.kind, ProgramKind::Command(_)) && !self.may_differ()
+    }
+
     /// The words of its command, or what else decides, as somebody would type them.
     pub fn typed(&self) -> String {
         match &self.kind {

@@ -249,3 +249,74 @@ fn a_full_disk_is_said_and_loses_nothing() {
     executed(folder, "slice:1/1", "2");
     assert_eq!(code(&scenario_runner(folder, &MERGE)), 100);
 }
+
+/// A module decides without leave, and its file is part of what is planned.
+#[test]
+fn a_controller_under_test_decides_on_shares_as_on_one_machine() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let module = include_str!("../under_test/brakes.wat");
+    fs::write(folder.join("own.wat"), module).unwrap();
+    let text = "controller own {
+  wasm \"own.wat\"
+  parameter gap = 5 m in 1 m .. 30 m
+  period 100 ms
+}
+scenario meet {
+  road { lane_width 4 m; speed_limit 30 km/h; crossing zebra }
+  vehicle av { controller own; speed 30 km/h; start 30 m before crossing }
+  pedestrian walker { model scripted; start 2 m from kerb; appears at later }
+  vary later in [0 s, 0.2 s, 0.4 s]
+  repeat 20
+  expect { max_deceleration <= 9 m/s^2 }
+}
+";
+    fs::write(folder.join("meet.scn"), text).unwrap();
+    let plan = |manifest: &str, verify: &str| {
+        let arguments = ["plan", "meet.scn", "--out", manifest, "--verify-runs", verify];
+        let output = scenario_runner(folder, &arguments);
+        assert_eq!(code(&output), 0, "{}", stderr(&output));
+        let text = fs::read_to_string(folder.join(manifest)).unwrap();
+        let unit =
+            |line: &str| serde_json::from_str::<Value>(line).unwrap()["id"].as_str().map(str::to_string);
+        text.lines().filter_map(unit).collect::<Vec<_>>()
+    };
+    let units = plan("manifest.jsonl", "some");
+    assert!(!units.is_empty());
+    // What is made twice is part of what results hold, so that those of another plan are not taken.
+    assert!(plan("other.jsonl", "all").iter().all(|unit| !units.contains(unit)));
+    executed(folder, "slice:2/2", "1");
+    executed(folder, "slice:1/2", "3");
+    let local = scenario_runner(folder, &["meet.scn", "--no-progress", "--runs", "local.runs"]);
+    let merged = scenario_runner(folder, &[&MERGE[..], &["--no-progress", "--runs", "merged.runs"]].concat());
+    assert_eq!((code(&local), code(&merged)), (0, 0), "{}{}", stderr(&local), stderr(&merged));
+    let bytes = |name: &str| fs::read(folder.join(name)).unwrap();
+    assert!(bytes("local.runs") == bytes("merged.runs") && !bytes("local.runs").is_empty());
+    // The results of another plan are missing, and another module is another controller.
+    let output = scenario_runner(folder, &["merge", "other.jsonl", "--results", "results"]);
+    assert_eq!(code(&output), 2, "{}", stderr(&output));
+    fs::write(folder.join("own.wat"), format!("{module}\n;; another")).unwrap();
+    let output = scenario_runner(folder, &MERGE);
+    assert_eq!(code(&output), 2);
+    assert!(stderr(&output).contains("the program of `own`"), "{}", stderr(&output));
+}
+
+#[test]
+fn a_baseline_that_was_changed_since_is_refused_by_name() {
+    let folder = folder();
+    let folder = folder.path();
+    let gate =
+        "  gate braking { baseline \"base.json\"; no metric worse by more than 5 % with 95 % confidence }\n";
+    let suite = SUITE.replacen("  scenario open", &format!("{gate}  scenario open"), 1);
+    fs::write(folder.join("crossing.suite"), suite.replace("repeat 400", "repeat 10")).unwrap();
+    let saved = scenario_runner(folder, &["baseline", "save", "crossing.suite", "--out", "base.json"]);
+    assert_eq!(code(&saved), 0, "{}", stderr(&saved));
+    planned(folder, &["walker/"]);
+    executed(folder, "slice:1/1", "2");
+    assert_ne!(code(&scenario_runner(folder, &MERGE)), 2);
+    let baseline = fs::read_to_string(folder.join("base.json")).unwrap();
+    fs::write(folder.join("base.json"), baseline + "\n").unwrap();
+    let output = scenario_runner(folder, &MERGE);
+    assert_eq!(code(&output), 2);
+    assert!(stderr(&output).contains("base.json is not what it was"), "{}", stderr(&output));
+}

@@ -53,6 +53,13 @@ pub struct ConductArguments {
     #[arg(long, value_name = "DIR", default_value = store::JOURNAL)]
     pub journal: PathBuf,
 
+    #[command(flatten)]
+    pub shown: ShownArguments,
+}
+
+/// How gates are judged and what is shown, whoever made the runs.
+#[derive(Debug, Args)]
+pub struct ShownArguments {
     /// Leave trials that a gate's baseline lacks out of the comparison, instead of refusing to judge the gate.
     #[arg(long)]
     baseline_lenient: bool,
@@ -160,38 +167,15 @@ pub struct Conducted {
     pub notices: Vec<String>,
 }
 
-/// Of a command that shows results of runs that were made before.
-#[derive(Debug, Args)]
-pub struct ShowArguments {
-    /// Number of threads, at most 1024 [default: one per core]. Runs that reports draw are made again, and blocks think.
-    #[arg(long, short = 'j', visible_alias = "jobs", value_name = "N", value_parser = number::threads())]
-    test_threads: Option<usize>,
-
-    #[command(flatten)]
-    programs: ProgramArguments,
-
-    /// Leave trials that a gate's baseline lacks out of the comparison, instead of refusing to judge the gate.
-    #[arg(long)]
-    baseline_lenient: bool,
-
-    /// Which trials and blocks get a line of their own.
-    #[arg(long, value_enum, default_value_t = ShownLevel(StatusLevel::Pass))]
-    status_level: ShownLevel,
-
-    /// Never show what is under way; it never is in CI or where standard error is no terminal.
-    #[arg(long)]
-    no_progress: bool,
-
-    /// When to use colours.
-    #[arg(long, value_enum, default_value_t = Colour::Auto)]
-    color: Colour,
-}
-
-impl ShowArguments {
-    /// As those of a command that makes the runs.
-    pub fn conduct(self, verify: VerifyArguments) -> ConductArguments {
-        let Self { test_threads, programs, baseline_lenient, status_level, no_progress, color } = self;
-        ConductArguments {
+impl ConductArguments {
+    /// Of a command that shows results of runs that were made before.
+    pub fn of_results(
+        test_threads: Option<usize>,
+        programs: ProgramArguments,
+        verify: VerifyArguments,
+        shown: ShownArguments,
+    ) -> Self {
+        Self {
             test_threads,
             max_fail: MaxFail(None),
             fail_fast: false,
@@ -200,15 +184,10 @@ impl ShowArguments {
             programs,
             verify,
             journal: store::JOURNAL.into(),
-            baseline_lenient,
-            status_level,
-            no_progress,
-            color,
+            shown,
         }
     }
-}
 
-impl ConductArguments {
     /// After how many failures nothing more begins.
     pub fn max_failures(&self) -> Option<usize> {
         if self.fail_fast { Some(1) } else { self.max_fail.0 }
@@ -242,7 +221,7 @@ impl ConductArguments {
             .stopped_by(stop)
             .verify_runs(self.verify.runs())
             .after_seeds(tried.earlier(project.suites()))
-            .lenient_gates(self.baseline_lenient)
+            .lenient_gates(self.shown.baseline_lenient)
             .courses(courses)
             .every_trial(every_trial);
         if let Some(watch) = watch {
@@ -251,10 +230,11 @@ impl ConductArguments {
         if !is_merged {
             session = session.journals(&self.journal);
         }
-        let colour = self.color.wanted(stdout());
-        let live = shows_progress(self.no_progress).then(Live::new);
-        session = session.pilot_runs(!is_merged && live.is_some() && self.status_level.0 != StatusLevel::Dot);
-        let terminal = Terminal::new(self.status_level.0, colour, live);
+        let colour = self.shown.color.wanted(stdout());
+        let live = shows_progress(self.shown.no_progress).then(Live::new);
+        session =
+            session.pilot_runs(!is_merged && live.is_some() && self.shown.status_level.0 != StatusLevel::Dot);
+        let terminal = Terminal::new(self.shown.status_level.0, colour, live);
         // A shorter life of its own.
         let besides = besides.map(|one| one as &mut dyn Reporter);
         let mut learning = Learning { terminal, units, last, repeated: is_repeated.then_some(stop), besides };

@@ -132,8 +132,8 @@ pub fn run(arguments: RunArguments, registry: &Registry, program: &Command) -> E
     if let Err(exit) = hints::one_filter(&filters) {
         return exit;
     }
-    let colour = arguments.conduct.color.wanted(stderr());
-    let expressions = match arguments.select.expressions.read(colour) {
+    let colour = arguments.conduct.shown.color.wanted(stderr());
+    let expressions = match arguments.select.subjects.expressions.read(colour) {
         Ok(expressions) => expressions,
         Err(exit) => return exit,
     };
@@ -163,8 +163,9 @@ pub fn run(arguments: RunArguments, registry: &Registry, program: &Command) -> E
     };
     filter::warn(&expressions, &each, colour);
     let word = filters.first().map(|filter| filter.as_str());
+    let subjects = (&arguments.select.subjects, arguments.select.partition);
     let select = |failed: Option<&BTreeSet<String>>| {
-        select::select(suites, &units, &expressions, word, &arguments.select, failed)
+        select::select(suites, &units, &expressions, word, subjects, failed)
     };
     let mut asked = select(arguments.select.last_failed.then(|| last.failed_units(suites, &units)).as_ref());
     if arguments.select.last_failed && !asked.contains(&true) {
@@ -184,7 +185,7 @@ pub fn run(arguments: RunArguments, registry: &Registry, program: &Command) -> E
         let keys: Vec<&str> = keys.iter().map(String::as_str).collect();
         let hints = hints::selection(
             word,
-            arguments.select.exact,
+            arguments.select.subjects.exact,
             command.filter(|_| word == Some(&arguments.words[0])),
             &keys,
         );

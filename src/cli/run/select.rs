@@ -10,8 +10,9 @@ use lang::filter::{Filters, Subject};
 use runner::project::PlannedSuite;
 use runner::session::{Unit, Units, Work};
 
+/// What is selected, by expressions and by name.
 #[derive(Debug, Args)]
-pub struct SelectArguments {
+pub struct SubjectArguments {
     #[command(flatten)]
     pub expressions: FilterArguments,
 
@@ -22,6 +23,12 @@ pub struct SelectArguments {
     /// Leave out trials and blocks whose name contains this; may be repeated.
     #[arg(long, value_name = "FILTER")]
     pub skip: Vec<String>,
+}
+
+#[derive(Debug, Args)]
+pub struct SelectArguments {
+    #[command(flatten)]
+    pub subjects: SubjectArguments,
 
     /// Only what did not pass when it was last run.
     #[arg(long)]
@@ -43,20 +50,21 @@ pub fn with_subject<T>(suites: &[PlannedSuite], unit: &Unit, show: impl FnOnce(&
     }
 }
 
-/// Whether each unit is asked for, by the filter expressions and by its name; if `failed` are given, only those of them. What units need is not looked at: see [`runner::session::with_needs`].
+/// Whether each unit is asked for, by the filter expressions and by its name; if `failed` are given, only those of them; of these the share of a
+/// `partition`. What units need is not looked at: see [`runner::session::with_needs`].
 pub fn select(
     suites: &[PlannedSuite],
     units: &Units,
     filters: &Filters,
     filter: Option<&str>,
-    arguments: &SelectArguments,
+    (arguments, partition): (&SubjectArguments, Option<Partition>),
     failed: Option<&BTreeSet<String>>,
 ) -> Vec<bool> {
     let matches = |key: &str, filter: &str| {
         if arguments.exact { key == filter } else { key.contains(filter) }
     };
     let is_all = filter.is_none() && failed.is_none() && arguments.skip.is_empty() && filters.is_empty();
-    if is_all && arguments.partition.is_none() {
+    if is_all && partition.is_none() {
         return vec![true; units.len()];
     }
     let wanted = |index: usize, key: &str| {
@@ -72,7 +80,7 @@ pub fn select(
         .enumerate()
         .map(|(index, key)| {
             let wanted = wanted(index, &key);
-            let mine = arguments.partition.is_none_or(|partition| partition.holds(place, &key));
+            let mine = partition.is_none_or(|partition| partition.holds(place, &key));
             place += usize::from(wanted);
             wanted && mine
         })

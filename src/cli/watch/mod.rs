@@ -43,8 +43,8 @@ pub fn watch(arguments: &WatchArguments, registry: &Registry) -> Exit {
     if files.is_empty() {
         return hints::project();
     }
-    let colour = arguments.conduct.color.wanted(stderr());
-    let expressions = match arguments.select.expressions.read(colour) {
+    let colour = arguments.conduct.shown.color.wanted(stderr());
+    let expressions = match arguments.select.subjects.expressions.read(colour) {
         Ok(expressions) => Arc::new(expressions),
         Err(exit) => return exit,
     };

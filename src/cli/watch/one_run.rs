@@ -54,7 +54,7 @@ impl Wishes<'_> {
         stop: &Stop,
     ) -> Ended {
         let WatchArguments { select: arguments, conduct, .. } = self.arguments;
-        let colour = conduct.color.wanted(stderr());
+        let colour = conduct.shown.color.wanted(stderr());
         let project = match Project::open_all([file], &self.options, self.registry, recording) {
             Ok(project) => project,
             Err(problems) => {
@@ -73,7 +73,8 @@ impl Wishes<'_> {
         let mut last = LastRun::read();
         let failed = last.failed_units(suites, &units);
         let select = |failed: Option<&BTreeSet<String>>| {
-            select::select(suites, &units, filters, self.word, arguments, failed)
+            let subjects = (&arguments.subjects, arguments.partition);
+            select::select(suites, &units, filters, self.word, subjects, failed)
         };
         let mut asked = select((extent == Extent::Failed).then_some(&failed));
         if !asked.contains(&true) && extent == Extent::Failed {

@@ -221,7 +221,7 @@ impl<'w> Watching<'w> {
     fn wait(&mut self) {
         self.is_waiting = true;
         self.tell_folders();
-        let colour = self.wishes.arguments.conduct.color.wanted(stdout());
+        let colour = self.wishes.arguments.conduct.shown.color.wanted(stdout());
         for (index, one) in self.watched.iter().enumerate() {
             let state = told::state(&one.file, self.agenda.state(index), colour);
             stdout().styled(&format!("watch: {state}\n"));
@@ -334,7 +334,7 @@ impl<'w> Watching<'w> {
                 self.ask(Extent::Selected, |_| true);
             }
             Err(failure) => {
-                let colour = self.wishes.arguments.conduct.color.wanted(stderr());
+                let colour = self.wishes.arguments.conduct.shown.color.wanted(stderr());
                 stderr().styled(&failure.render(Style { colour }));
                 writeln!(stderr(), "note: the filter stays as it was");
             }

@@ -10,6 +10,7 @@ use super::criteria::{RetentionCriterion, RetentionVerdict, Showing};
 use super::journal::{CalibrationJournal, JournalError};
 use crate::pedestrian::commotions::model::commotions;
 use crate::pedestrian::commotions::{Parameters, Variant};
+use files::hexadecimal;
 use numbers::random::derive_seed;
 use scenario::population::Population;
 
@@ -83,9 +84,7 @@ impl Request {
         for value in self.candidates.rows.iter().flatten() {
             hash.update(value.to_bits().to_le_bytes());
         }
-        let digest = hash.finalize();
-        let hex: String = digest.iter().map(|byte| format!("{byte:02x}")).collect();
-        format!("calibration {hex}")
+        format!("calibration {}", hexadecimal(&hash.finalize()))
     }
 }
 

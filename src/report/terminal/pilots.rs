@@ -252,4 +252,15 @@ mod tests {
         }
         assert!(!faster.is_one(), "{faster:?}");
     }
+
+    #[test]
+    fn trials_that_cost_something_else_than_their_pilot_runs_said_make_a_range() {
+        // The pace of all, of the later half and of the last is the same, and runs of one trial do not scatter.
+        assert!(left(&[2.0; 8]).is_one());
+        let unlike = left(&[1.0, 3.0, 1.0, 3.0, 1.0, 3.0, 1.0, 2.0]);
+        assert!(!unlike.is_one(), "{unlike:?}");
+        assert!(unlike.least < 32.0 && unlike.most.unwrap() > 32.0, "{unlike:?}");
+        // Of two that may be luck.
+        assert!(left(&[1.9, 2.1]).is_one());
+    }
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
-use files::LogError;
+use files::{LogError, hexadecimal};
 use optimise::{Definition, Error, Journal};
 
 /// A journal that is removed once its run has come to its end.
@@ -27,7 +27,7 @@ impl Record {
         let Some(folder) = folder else { return Ok(Self { journal: None }) };
         let text = serde_json::to_vec(&(inputs, definition, env!("CARGO_PKG_VERSION")))
             .expect("plain data serialises");
-        let hash: String = Sha256::digest(text).iter().take(8).map(|byte| format!("{byte:02x}")).collect();
+        let hash = hexadecimal(&Sha256::digest(text)[..8]);
         let path = folder.join(format!("{}-{hash}.jsonl", name.replace('/', "-")));
         // Its name can be foretold, so somebody's project could have it lead anywhere.
         if path.is_symlink() {

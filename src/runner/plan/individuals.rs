@@ -7,6 +7,7 @@ use std::path::Path;
 use sha2::{Digest, Sha256};
 
 use super::error::PlanError;
+use files::hexadecimal;
 use numbers::random::{Stream, derive_seed};
 use scenario::population;
 use scenario::population::{Plausibility, Population as People};
@@ -231,7 +232,7 @@ fn digest(several: &[Everybody]) -> String {
     }
     let mut digest = Sha256::default();
     several.iter().for_each(|one| digest.update(one.bytes()));
-    digest.finalize().iter().take(8).map(|byte| format!("{byte:02x}")).collect()
+    hexadecimal(&digest.finalize()[..8])
 }
 
 /// The variant that the scenario asks of the pedestrian's model, if it says so outright.

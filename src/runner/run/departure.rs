@@ -51,14 +51,18 @@ pub fn note_departing(scenario: &Scenario, case: &Case, found: &mut Vec<Departin
         if found.iter().any(|known| known.who == who && known.departure == departure) {
             continue;
         }
-        let cars = scenario.vehicles.iter().map(|car| (&car.name, &car.controller.origin));
-        let people = scenario.pedestrians.iter().map(|person| (&person.name, &person.model.origin));
-        let place = cars.chain(people).find(|(name, _)| *name == who);
         found.push(Departing {
             who: who.to_string(),
             departure,
             case: case.key.clone(),
-            origin: place.map_or(&scenario.origin, |(_, origin)| origin).clone(),
+            origin: model_origin(scenario, who).clone(),
         });
     }
+}
+
+/// Where the model of somebody is said.
+pub fn model_origin<'a>(scenario: &'a Scenario, who: &str) -> &'a Origin {
+    let cars = scenario.vehicles.iter().map(|car| (&car.name, &car.controller.origin));
+    let people = scenario.pedestrians.iter().map(|person| (&person.name, &person.model.origin));
+    cars.chain(people).find(|(name, _)| *name == who).map_or(&scenario.origin, |(_, origin)| origin)
 }

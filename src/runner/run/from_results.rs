@@ -11,7 +11,7 @@ use super::job::{Done, Job, JobFailure, JobPlace, LoggedDecision, Ran, Wanted, p
 use super::run_digest::{RunDigest, RunDigests};
 use super::stop::Stop;
 use results::Outcome;
-use scenario::{DeclaredProgram, ProgramKind};
+use scenario::DeclaredProgram;
 use under_test::{AnswerClock, ProgramUse};
 
 /// What came of a run, without what depends on the clock: equal runs are equal bytes.
@@ -225,10 +225,8 @@ impl Round for AnsweredRound<'_, '_> {
 fn differs(done: &Done, known: &StoredRun) -> bool {
     let again = StoredRun::of(Wanted::Outcome, &done.result);
     let known = StoredRun::of(Wanted::Outcome, &known.result);
-    let may_differ = |program: &Arc<DeclaredProgram>| {
-        matches!(program.kind, ProgramKind::Command(_)) || program.may_differ()
-    };
-    let is_told = again.result.is_ok() && programs(&done.case).iter().any(may_differ);
+    let is_told =
+        again.result.is_ok() && programs(&done.case).iter().any(|program| !program.is_known_whole());
     !is_told && again.to_bytes() != known.to_bytes()
 }
 
@@ -241,5 +239,78 @@ fn bare(outcome: Outcome, decisions: Vec<LoggedDecision>) -> Ran {
         events: Vec::new(),
         commands: Vec::new(),
         details: None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+    use crate::plan::plan;
+    use crate::run::MeasuredMetrics;
+    use files::Memory;
+    use models::standard;
+    use results::Requests;
+
+    /// A run in which that controller decides.
+    fn job(declared: &str, controller: &str) -> Job {
+        let text = format!(
+            "{declared}
+scenario meet {{
+  road {{ lane_width 4 m; speed_limit 30 km/h; crossing zebra }}
+  vehicle av {{ controller {controller}; speed 30 km/h; start 30 m before crossing }}
+  pedestrian walker {{ model scripted; start 2 m from kerb; appears at 0 s }}
+  expect {{ max_deceleration <= 9 m/s^2 }}
+}}
+"
+        );
+        let files = Memory::default().with("meet.scn", text).with("own.wat", "(module)");
+        let Ok(loaded) = lang::load(Path::new("meet.scn"), &standard(), &files) else {
+            panic!("it is a scenario")
+        };
+        let case = plan(&loaded.suite).unwrap().trial(0).cases.first();
+        let (place, measured) = (JobPlace::default(), MeasuredMetrics::new(Requests::defaults(&standard())));
+        Job { place, case, measured, wanted: Wanted::Outcome, alone: false, change: None }
+    }
+
+    #[test]
+    fn what_is_made_again_comes_to_what_was_kept_unless_a_command_is_told_of() {
+        let built_in = job("", "constant_speed");
+        let done = built_in.clone().run();
+        let known = StoredRun::of(Wanted::Outcome, &done.result);
+        assert!(known.is_of(&built_in) && !differs(&done, &known));
+        let mut other = done.result.clone().unwrap();
+        other.outcome.metrics[0] = Some(other.outcome.metrics[0].unwrap_or_default() + 1e-9);
+        let place = JobPlace::default();
+        for (declared, is_seen) in [
+            (None, true),
+            (Some("controller own { wasm \"own.wat\" }"), true),
+            (Some("controller own { command \"own\" }"), false),
+        ] {
+            let job = declared.map_or_else(|| built_in.clone(), |declared| job(declared, "own"));
+            let again = Done { place, case: job.case.clone(), result: Ok(other.clone()) };
+            assert_eq!(differs(&again, &known), is_seen, "{declared:?}");
+            // Where nobody may start it, it comes to nothing, which is not told of as another decision.
+            if declared.is_some() {
+                assert!(job.clone().run().result.is_err() && differs(&job.run(), &known), "{declared:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_result_says_of_which_run_it_is() {
+        let own = job("", "constant_speed");
+        let result = own.clone().run().result.unwrap();
+        let is_of = |change: fn(&mut Outcome)| {
+            let mut changed = result.clone();
+            change(&mut changed.outcome);
+            StoredRun::of(Wanted::Outcome, &Ok(changed)).is_of(&own)
+        };
+        assert!(is_of(|_| ()));
+        assert!(!is_of(|outcome| outcome.key += "0"));
+        assert!(!is_of(|outcome| outcome.seed += 1));
+        assert!(!is_of(|outcome| outcome.metrics.clear()));
+        assert!(!is_of(|outcome| outcome.metrics.push(None)));
     }
 }

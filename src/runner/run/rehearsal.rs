@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use rayon::prelude::*;
 
 use super::build::{RunError, road_users};
-use super::departure::{Departing, note_departing};
+use super::departure::{Departing, model_origin, note_departing};
 use crate::plan::{self, Plan, PlanError, PlannedTrial, ScenarioPlan};
 use scenario::{Case, Origin, Scenario, Suite};
 
@@ -106,9 +106,7 @@ impl Rehearsal {
 /// Where the model is said that refuses.
 fn place<'a>(scenario: &'a Scenario, error: &RunError) -> &'a Origin {
     let RunError::Model { who, .. } = error else { return &scenario.origin };
-    let cars = scenario.vehicles.iter().map(|car| (&car.name, &car.controller.origin));
-    let walkers = scenario.pedestrians.iter().map(|walker| (&walker.name, &walker.model.origin));
-    cars.chain(walkers).find(|(name, _)| *name == who).map_or(&scenario.origin, |(_, origin)| origin)
+    model_origin(scenario, who)
 }
 
 impl Obstacle {

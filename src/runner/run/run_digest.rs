@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use sha2::{Digest, Sha256};
 
 use super::job::{Job, MeasuredMetrics, programs};
+use files::hexadecimal;
 use scenario::DeclaredProgram;
 
 /// SHA-256 over the build, the case with its world and seed, what is measured and what is changed, and the files of programs that decide: equal
@@ -16,7 +17,7 @@ pub struct RunDigest(pub [u8; 32]);
 
 impl fmt::Display for RunDigest {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.0.iter().try_for_each(|byte| write!(out, "{byte:02x}"))
+        out.write_str(&hexadecimal(&self.0))
     }
 }
 

@@ -5,13 +5,13 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::base64;
 use super::build::Build;
 use super::error::ShardError;
 use super::manifest::{ManifestHeader, PlannedProgram, UnitBatch};
-use super::sealed::{SealedReader, SealedWriter, parse, wrong};
+use super::sealed::{SealedReader, SealedWriter, parse, parse_first, wrong};
 use super::slices::SliceRuns;
 use crate::run::{RunDigest, StoredRun};
+use files::{base64, from_base64};
 
 const FORMAT: &str = "scenario-runner results";
 
@@ -48,11 +48,12 @@ struct UnitLine {
     runs: usize,
 }
 
+/// Neither has a letter that JSON escapes.
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct RunLine {
-    run: String,
-    result: String,
+struct RunLine<'l> {
+    run: &'l str,
+    result: &'l str,
 }
 
 impl ResultsHeader {
@@ -74,7 +75,7 @@ pub fn write(
     for (unit, runs) in batch.units.iter().zip(results) {
         file.line(&UnitLine { unit: unit.id.clone(), runs: runs.len() })?;
         for (run, stored) in runs {
-            file.line(&RunLine { run: run.to_string(), result: base64::encode(&stored.to_bytes()) })?;
+            file.line(&RunLine { run: &run.to_string(), result: &base64(&stored.to_bytes()) })?;
         }
     }
     file.finish().map(drop)
@@ -129,25 +130,8 @@ fn header(
     batch: &UnitBatch,
     manifest: &ManifestHeader,
 ) -> Result<ResultsHeader, ShardError> {
-    #[derive(Deserialize)]
-    struct Format {
-        format: String,
-        version: u32,
-    }
-    let no_results = || wrong(path, "it has no results of scenario-runner");
-    let Ok(line) = lines.next_line()? else { return Err(no_results()) };
-    let format: Format = serde_json::from_slice(line.text).map_err(|_| no_results())?;
-    if format.format != FORMAT {
-        return Err(no_results());
-    }
-    if format.version != VERSION {
-        let message = format!(
-            "its results are of version {}, and this program reads version {VERSION}",
-            format.version
-        );
-        return Err(wrong(path, message));
-    }
-    let header: ResultsHeader = parse(path, line.text)?;
+    let words = ("it has no results of scenario-runner", "its results are");
+    let header: ResultsHeader = parse_first(lines, (FORMAT, VERSION), words)?;
     if header.build != manifest.build {
         let (found, here) = (Box::new(header.build), Box::new(manifest.build.clone()));
         return Err(ShardError::OtherBuild { path: path.to_path_buf(), found, here });
@@ -177,6 +161,6 @@ fn header(
 /// What came of the run of a line; `None` if the line means something else.
 pub fn stored(line: &[u8], run: &RunDigest) -> Option<StoredRun> {
     let line: RunLine = serde_json::from_slice(line).ok()?;
-    let bytes = base64::decode(&line.result).filter(|_| line.run == run.to_string())?;
+    let bytes = from_base64(line.result).filter(|_| line.run == run.to_string())?;
     StoredRun::from_bytes(&bytes).ok()
 }

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use files::ReadError;
+use files::{ReadError, hexadecimal};
 
 /// A program of some machine. Results of another one are of other runs.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -30,9 +30,8 @@ impl Build {
             true => Ok(PathBuf::from("/proc/self/exe")),
             false => env::current_exe(),
         };
-        let digest = files::digest(&file?)?;
         Ok(Self {
-            digest: digest.iter().map(|byte| format!("{byte:02x}")).collect(),
+            digest: hexadecimal(&files::digest(&file?)?),
             target: format!("{}-{}", env::consts::ARCH, env::consts::OS),
             version: env!("CARGO_PKG_VERSION").to_string(),
         })

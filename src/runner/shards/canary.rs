@@ -7,7 +7,7 @@ use sha2::{Digest, Sha256};
 use super::error::ShardError;
 use crate::project::Project;
 use crate::run::{Job, JobPlace, MeasuredMetrics, StoredRun, Wanted};
-use files::Memory;
+use files::{Memory, hexadecimal};
 use results::Requests;
 use scenario::registry::Registry;
 
@@ -51,5 +51,5 @@ pub fn canary(registry: &Registry) -> Result<String, ShardError> {
             hash.update(StoredRun::of(wanted, &done.result).to_bytes());
         }
     }
-    Ok(hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
+    Ok(hexadecimal(&hash.finalize()))
 }

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::build::Build;
 use super::error::ShardError;
 use super::planned_unit::PlannedUnit;
-use super::sealed::{SealedReader, SealedWriter, digest_of, parse, wrong};
+use super::sealed::{SealedReader, SealedWriter, digest_of, parse, parse_first, wrong};
 use crate::session::Units;
 use scenario::TextDigest;
 
@@ -99,7 +99,18 @@ impl ManifestHeader {
     }
 }
 
-/// Writes a manifest of units, which come in any order, and returns its digest.
+/// What is in a manifest that was written.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct WrittenManifest {
+    /// How many units.
+    pub units: usize,
+    /// In so many batches.
+    pub batches: usize,
+    /// How long all of them may take on one core, s.
+    pub seconds: f64,
+}
+
+/// Writes a manifest of units, which come in any order.
 ///
 /// # Errors
 /// If the file cannot be written.
@@ -108,21 +119,46 @@ pub fn write_manifest(
     header: ManifestHeader,
     mut planned: Vec<PlannedUnit>,
     units: &Units,
-) -> std::io::Result<String> {
+) -> std::io::Result<WrittenManifest> {
     planned.sort_unstable_by_key(|one| (one.id, one.unit, one.first));
     let seconds = rounded(planned.iter().map(|one| f64::from(one.seconds)).sum());
     let mut file = SealedWriter::create(path)?;
     file.line(&ManifestHeader { units: planned.len(), seconds, ..header })?;
+    let (mut batches, mut filling) = (0, Filling::default());
     for one in &planned {
-        file.line(&ManifestUnit {
+        let unit = ManifestUnit {
             id: one.id.to_string(),
             unit: one.unit as usize,
             runs: (one.runs > 0).then_some((one.first as usize, one.runs as usize)),
             seconds: rounded(f64::from(one.seconds)),
             name: units.key(one.unit as usize),
-        })?;
+        };
+        batches += usize::from(filling.begins(&unit));
+        file.line(&unit)?;
     }
-    file.finish()
+    file.finish()?;
+    Ok(WrittenManifest { units: planned.len(), batches, seconds })
+}
+
+/// A batch that takes units, until it is full.
+#[derive(Debug, Default)]
+struct Filling {
+    units: usize,
+    seconds: f64,
+}
+
+impl Filling {
+    /// Takes a unit; whether it is the first of a batch, as it has no room in the one before.
+    fn begins(&mut self, unit: &ManifestUnit) -> bool {
+        let is_full = self.seconds + unit.seconds > BATCH || self.units >= LARGEST_BATCH;
+        let begins = self.units == 0 || is_full;
+        if begins {
+            *self = Self::default();
+        }
+        self.units += 1;
+        self.seconds += unit.seconds;
+        begins
+    }
 }
 
 /// To a microsecond, so that a line is short.
@@ -184,11 +220,6 @@ impl ManifestReader {
         &self.path
     }
 
-    /// That of its last line.
-    pub fn digest(&self) -> &str {
-        &self.digest
-    }
-
     /// Its units in batches of about a second, in its order.
     ///
     /// # Errors
@@ -203,26 +234,7 @@ impl ManifestReader {
 }
 
 fn header(lines: &mut SealedReader) -> Result<ManifestHeader, ShardError> {
-    #[derive(Deserialize)]
-    struct Format {
-        format: String,
-        version: u32,
-    }
-    let path = lines.path().to_path_buf();
-    let Ok(line) = lines.next_line()? else { return Err(wrong(&path, "it is no manifest")) };
-    let format: Format = serde_json::from_slice(line.text)
-        .map_err(|_| wrong(&path, "it is no manifest of scenario-runner"))?;
-    if format.format != FORMAT {
-        return Err(wrong(&path, "it is no manifest of scenario-runner"));
-    }
-    if format.version != VERSION {
-        let message = format!(
-            "it is a manifest of version {}, and this program reads version {VERSION}",
-            format.version
-        );
-        return Err(wrong(&path, message));
-    }
-    parse(&path, line.text)
+    parse_first(lines, (FORMAT, VERSION), ("it is no manifest of scenario-runner", "it is a manifest"))
 }
 
 /// Consecutive units whose results are one file.
@@ -271,14 +283,12 @@ impl Batches {
     }
 
     fn batch(&mut self) -> Result<Option<UnitBatch>, ShardError> {
-        let (mut units, mut seconds): (Vec<ManifestUnit>, f64) = (Vec::new(), 0.0);
+        let (mut units, mut filling): (Vec<ManifestUnit>, Filling) = Default::default();
         while let Some(unit) = self.unit()? {
-            let is_full = seconds + unit.seconds > BATCH || units.len() >= LARGEST_BATCH;
-            if is_full && !units.is_empty() {
+            if filling.begins(&unit) && !units.is_empty() {
                 self.next = Some(unit);
                 break;
             }
-            seconds += unit.seconds;
             units.push(unit);
         }
         if units.is_empty() {

@@ -3,7 +3,6 @@
 //! A manifest says once what there is to be run; whoever is given a share of its batches makes their runs and writes down what came of each,
 //! and judges nothing. A session over the results is the same session as on one machine, with an executor that answers from files.
 
-mod base64;
 mod batch_file;
 mod build;
 mod canary;
@@ -23,7 +22,8 @@ pub use canary::canary;
 pub use error::ShardError;
 pub use execute::{BatchProgress, Executed, Execution};
 pub use manifest::{
-    Batches, ManifestHeader, ManifestReader, ManifestUnit, PlannedProgram, UnitBatch, write_manifest,
+    Batches, ManifestHeader, ManifestReader, ManifestUnit, PlannedProgram, UnitBatch, WrittenManifest,
+    write_manifest,
 };
 pub use planned_unit::{PlannedUnit, Planner};
 pub use result_files::{ResultFiles, chosen};

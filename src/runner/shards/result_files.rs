@@ -85,11 +85,6 @@ impl ResultFiles {
         self.titles.get(&(name.to_string(), file.to_string())).map(String::as_str)
     }
 
-    /// How many runs there are.
-    pub fn runs(&self) -> usize {
-        self.runs.len()
-    }
-
     /// A run of which there are two results has one, or one machine is not like the other.
     fn check_duplicates(&self) -> Result<(), ShardError> {
         for pair in self.runs.windows(2) {

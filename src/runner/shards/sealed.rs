@@ -7,8 +7,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use super::error::ShardError;
-use files::{Lines, ReadError, WholeFile};
-use scenario::sha256;
+use files::{Lines, ReadError, WholeFile, hexadecimal};
 
 /// Longer lines are of something else, bytes.
 const LONGEST: u64 = 64 << 20;
@@ -42,7 +41,7 @@ impl SealedWriter {
 
     /// Writes the last line, and returns what stands in it.
     pub fn finish(mut self) -> io::Result<String> {
-        let sha256: String = self.hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect();
+        let sha256 = hexadecimal(&self.hash.finalize());
         let mut line = serde_json::to_vec(&Seal { sha256: sha256.clone() })?;
         line.push(b'\n');
         self.file.write_all(&line)?;
@@ -84,8 +83,7 @@ impl SealedReader {
         let line = &known[..];
         if line.starts_with(SEAL) {
             let seal: Seal = parse(path, line)?;
-            let found = std::mem::take(hash).finalize();
-            let found: String = found.iter().map(|byte| format!("{byte:02x}")).collect();
+            let found = hexadecimal(&std::mem::take(hash).finalize());
             if seal.sha256 != found {
                 return Err(wrong(
                     path,
@@ -109,7 +107,7 @@ impl SealedReader {
 }
 
 /// What a line of a file says.
-pub fn parse<T: for<'d> Deserialize<'d>>(path: &Path, line: &[u8]) -> Result<T, ShardError> {
+pub fn parse<'l, T: Deserialize<'l>>(path: &Path, line: &'l [u8]) -> Result<T, ShardError> {
     serde_json::from_slice(line).map_err(|error| wrong(path, format!("a line of it means nothing: {error}")))
 }
 
@@ -121,8 +119,35 @@ fn unreadable(path: &Path, error: &ReadError) -> ShardError {
     wrong(path, format!("it cannot be read: {error}"))
 }
 
-/// That of some bytes, hexadecimal.
+/// Which kind of file a first line is of.
+#[derive(Deserialize)]
+struct Format {
+    format: String,
+    version: u32,
+}
+
+/// What the first line says, if it is of that `format` and `version`; `other` says what it is not, and `what` what it is.
+pub fn parse_first<T: for<'d> Deserialize<'d>>(
+    lines: &mut SealedReader,
+    (format, version): (&str, u32),
+    (other, what): (&str, &str),
+) -> Result<T, ShardError> {
+    let path = lines.path.clone();
+    let none = || wrong(&path, other);
+    let Ok(line) = lines.next_line()? else { return Err(none()) };
+    let found: Format = serde_json::from_slice(line.text).map_err(|_| none())?;
+    if found.format != format {
+        return Err(none());
+    }
+    if found.version != version {
+        let message =
+            format!("{what} of version {}, and this program reads version {version}", found.version);
+        return Err(wrong(&path, message));
+    }
+    parse(&path, line.text)
+}
+
+/// That of some bytes one after the other, hexadecimal.
 pub fn digest_of(parts: impl Iterator<Item = impl AsRef<[u8]>>) -> String {
-    let all: Vec<u8> = parts.flat_map(|part| part.as_ref().to_vec()).collect();
-    sha256(&all)
+    hexadecimal(&parts.fold(Sha256::new(), |hash, part| hash.chain_update(part)).finalize())
 }

@@ -155,8 +155,12 @@ fn plan(place: &Place, project: &Project, chosen: impl Fn(&str) -> bool) -> Mani
     let marks: Vec<bool> = units.keys().map(|key| chosen(&key)).collect();
     let marks = crate::session::with_needs(&units, marks);
     let header = ManifestHeader::new(build(), canary(&standard()).unwrap());
-    write_manifest(&place.manifest(), header, planner.plan(&marks), &units).unwrap();
-    ManifestReader::open(&place.manifest()).unwrap()
+    let written = write_manifest(&place.manifest(), header, planner.plan(&marks), &units).unwrap();
+    let manifest = ManifestReader::open(&place.manifest()).unwrap();
+    let batches: Vec<UnitBatch> = manifest.batches().unwrap().map(Result::unwrap).collect();
+    assert_eq!(written.batches, batches.len());
+    assert_eq!(written.units, batches.iter().map(|batch| batch.units.len()).sum::<usize>());
+    manifest
 }
 
 fn execute(

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use super::scored_run::{ScoredEncounter, ScoredRun};
-use files::{Log, LogError, LogFormat};
+use files::{Log, LogError, LogFormat, hexadecimal};
 
 const FORMAT: LogFormat = LogFormat { name: "scenario-runner journal of an estimate", version: 1 };
 
@@ -50,7 +50,7 @@ impl EstimateRecord {
             return Ok(Self { known: BTreeMap::new(), log: None, notice: None });
         };
         let text = serde_json::to_vec(&(inputs, env!("CARGO_PKG_VERSION"))).expect("plain data serialises");
-        let hash: String = Sha256::digest(text).iter().take(8).map(|byte| format!("{byte:02x}")).collect();
+        let hash = hexadecimal(&Sha256::digest(text)[..8]);
         let path = folder.join(format!("{name}-{hash}.jsonl"));
         // Its name can be foretold, so somebody's project could have it lead anywhere.
         if path.is_symlink() {

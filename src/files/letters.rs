@@ -1,8 +1,14 @@
-//! Bytes as letters (RFC 4648, with padding).
+//! Bytes as letters: hexadecimal digits, and base64 (RFC 4648, section 4, with padding).
 
 const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
-pub fn encode(bytes: &[u8]) -> String {
+/// Two small digits a byte.
+pub fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// Four letters for three bytes.
+pub fn base64(bytes: &[u8]) -> String {
     let mut text = String::with_capacity(bytes.len().div_ceil(3) * 4);
     for some in bytes.chunks(3) {
         let number = (0..3)
@@ -15,8 +21,8 @@ pub fn encode(bytes: &[u8]) -> String {
     text
 }
 
-/// What [`encode`] wrote; `None` for anything else, also for other letters of the same bytes.
-pub fn decode(text: &str) -> Option<Vec<u8>> {
+/// What [`base64`] wrote; `None` for anything else, also for other letters of the same bytes.
+pub fn from_base64(text: &str) -> Option<Vec<u8>> {
     let value = |letter: u8| {
         Some(match letter {
             b'A'..=b'Z' => letter - b'A',
@@ -59,20 +65,31 @@ mod tests {
 
     #[test]
     fn it_is_that_of_the_standard() {
-        for (bytes, text) in [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foob", "Zm9vYg==")]
-        {
-            assert_eq!(encode(bytes.as_bytes()), text);
-            assert_eq!(decode(text).unwrap(), bytes.as_bytes());
+        for (bytes, text) in [
+            ("", ""),
+            ("f", "Zg=="),
+            ("fo", "Zm8="),
+            ("foo", "Zm9v"),
+            ("foob", "Zm9vYg=="),
+            ("foobar", "Zm9vYmFy"),
+        ] {
+            assert_eq!(base64(bytes.as_bytes()), text);
+            assert_eq!(from_base64(text).unwrap(), bytes.as_bytes());
         }
         for other in ["Zg", "Zg=", "Zh==", "Zm9=", "Z===", "====", "Zg==Zg==", "Zm9v\n", "Zm9\u{e4}"] {
-            assert_eq!(decode(other), None, "{other}");
+            assert_eq!(from_base64(other), None, "{other}");
         }
+    }
+
+    #[test]
+    fn hexadecimal_digits_are_small_and_two_a_byte() {
+        assert_eq!(hexadecimal(&[0, 10, 255]), "000aff");
     }
 
     proptest! {
         #[test]
         fn bytes_come_back(bytes: Vec<u8>) {
-            prop_assert_eq!(decode(&encode(&bytes)), Some(bytes));
+            prop_assert_eq!(from_base64(&base64(&bytes)), Some(bytes));
         }
     }
 }
