@@ -2,12 +2,14 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
 use rayon::{Scope, ThreadPool, ThreadPoolBuilder};
 
 use super::executor::{Executor, Round};
 use super::job::{Done, Job, JobPlace};
 use super::lockstep::{JobSource, run_with_programs};
+use scenario::DeclaredProgram;
 use under_test::{ProcessPool, ProgramUse};
 
 /// So many threads, whatever is run on them side by side.
@@ -111,27 +113,69 @@ impl<'c, 'r: 'c> Call<'c, 'r> {
     }
 
     /// Makes a run, and then others, until there are no more or others are to have the thread.
-    fn work(self, mut job: Job, scope: &Scope<'c>) {
+    fn work(self, first: Job, scope: &Scope<'c>) {
+        let mut jobs = vec![first];
+        let mut pace = Pace::default();
         loop {
-            let asked = self.threads.processes.as_deref().map(|pool| (pool, job.programs()));
-            if let Some((pool, programs)) = asked.filter(|(_, programs)| !programs.is_empty()) {
+            let programs = jobs.last().and_then(|last| self.programs(last));
+            let asking = programs.and_then(|programs| Some((jobs.pop()?, programs)));
+            let begun = Instant::now();
+            let done: Vec<Done> = jobs.drain(..).map(|job| job.run()).collect();
+            pace.took(begun.elapsed(), done.len());
+            if let Some((job, (pool, programs))) = asking {
+                done.into_iter().for_each(|done| self.lock().round.done(done));
                 run_with_programs(pool, programs, job, &mut CallJobs { call: self, scope });
                 self.lock().running -= 1;
                 return;
             }
-            let done = job.run();
             let mut turn = self.lock();
             // Should whoever is told panic, this thread is not at work any more.
             turn.running -= 1;
-            turn.round.done(done);
+            done.into_iter().for_each(|done| turn.round.done(done));
             if turn.running >= self.threads.share() {
                 return;
             }
             let Some(next) = turn.round.next() else { return };
             turn.running += 1;
+            jobs.push(next);
             self.fill(&mut turn, scope);
-            job = next;
+            while jobs.len() < pace.at_once() && jobs.last().is_none_or(|last| self.programs(last).is_none())
+            {
+                let Some(next) = turn.round.next() else { break };
+                jobs.push(next);
+            }
         }
+    }
+
+    /// The programs that decide in a run, and where they are.
+    fn programs(&self, job: &Job) -> Option<(&'c ProcessPool, Vec<Arc<DeclaredProgram>>)> {
+        let pool = self.threads.processes.as_deref()?;
+        Some((pool, job.programs())).filter(|(_, programs)| !programs.is_empty())
+    }
+}
+
+/// How many runs a thread makes before it looks for more. Runs of microseconds would mostly wait for each other's turn.
+#[derive(Default)]
+struct Pace {
+    /// What a run took on average, s; 0 before the first.
+    run: f64,
+}
+
+/// s: what is lost at most where others wait for the last runs of a round.
+const TURN: f64 = 0.000_5;
+
+/// However short they are.
+const MOST_AT_ONCE: f64 = 32.0;
+
+impl Pace {
+    fn took(&mut self, time: Duration, runs: usize) {
+        if runs > 0 {
+            self.run = time.as_secs_f64() / runs as f64;
+        }
+    }
+
+    fn at_once(&self) -> usize {
+        (TURN / self.run.max(TURN / MOST_AT_ONCE)) as usize
     }
 }
 
@@ -158,5 +202,25 @@ impl<'c, 'r: 'c> JobSource for CallJobs<'c, 'c, 'r, '_> {
 
     fn is_wanted(&mut self, place: JobPlace) -> bool {
         self.call.lock().round.is_wanted(place)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_short_runs_are_taken_several_at_a_time() {
+        let at_once = |run: Duration| {
+            let mut pace = Pace::default();
+            pace.took(run * 4, 4);
+            // Nothing was made, as where a program decides in the only run.
+            pace.took(Duration::from_secs(1), 0);
+            pace.at_once()
+        };
+        assert_eq!(at_once(Duration::from_secs(1)), 0);
+        assert_eq!(at_once(Duration::from_micros(400)), 1);
+        assert_eq!(at_once(Duration::from_micros(48)), 10);
+        assert_eq!(at_once(Duration::ZERO), 32);
     }
 }

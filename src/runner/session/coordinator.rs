@@ -328,6 +328,39 @@ struct RunUnits<'s, 'c, 'a> {
 struct Under<'s, 'a> {
     unit: usize,
     run: UnitRun<'s, 'a>,
+    done: Arc<RunsDone<'s>>,
+}
+
+/// Runs that are done, told together where they are many: whoever hears it would wake up for each.
+struct RunsDone<'s> {
+    unit: usize,
+    sender: &'s SyncSender<Message>,
+    /// How many are not told yet, and when those before were.
+    untold: Mutex<(usize, Instant)>,
+}
+
+/// The time in which they are told together: less than anybody sees.
+const TOGETHER: Duration = Duration::from_millis(20);
+
+impl RunsDone<'_> {
+    fn another(&self) {
+        let mut untold = self.untold.lock().unwrap_or_else(PoisonError::into_inner);
+        untold.0 += 1;
+        if untold.1.elapsed() >= TOGETHER {
+            self.tell(&mut untold);
+        }
+    }
+
+    fn tell_rest(&self) {
+        self.tell(&mut self.untold.lock().unwrap_or_else(PoisonError::into_inner));
+    }
+
+    fn tell(&self, (runs, told): &mut (usize, Instant)) {
+        if *runs > 0 {
+            send(self.sender, Message::RunsDone { unit: self.unit, runs: std::mem::take(runs) });
+            *told = Instant::now();
+        }
+    }
 }
 
 impl Sequence for Under<'_, '_> {
@@ -356,15 +389,19 @@ impl<'s, 'c, 'a> Sequences for RunUnits<'s, 'c, 'a> {
         let sender = self.sender;
         send(sender, Message::Begun(unit));
         let mut told_before = self.coordinator.told.get(&unit).copied().unwrap_or(0);
+        let untold = Mutex::new((0, Instant::now()));
+        let done = Arc::new(RunsDone { unit, sender, untold });
+        let another = Arc::clone(&done);
         let told = Box::new(move || match told_before.checked_sub(1) {
             Some(left) => told_before = left,
-            None => send(sender, Message::RunDone(unit)),
+            None => another.another(),
         });
         let run = self.coordinator.runner.begin(self.coordinator.units.get(unit), told);
-        Some(Under { unit, run: run.expect("it is no block") })
+        Some(Under { unit, run: run.expect("it is no block"), done })
     }
 
-    fn close(&mut self, Under { unit, run }: Under<'s, 'a>, taken: usize) {
+    fn close(&mut self, Under { unit, run, done }: Under<'s, 'a>, taken: usize) {
+        done.tell_rest();
         self.coordinator.end(unit, run.report(taken), self.sender);
     }
 }
