@@ -139,8 +139,9 @@ impl<'c, 'r: 'c> Call<'c, 'r> {
             turn.running += 1;
             jobs.push(next);
             self.fill(&mut turn, scope);
-            while jobs.len() < pace.at_once() && jobs.last().is_none_or(|last| self.programs(last).is_none())
-            {
+            // A thread by itself waits for nobody, and makes no run in vain.
+            let at_once = if self.threads.parallelism() > 1 { pace.at_once() } else { 1 };
+            while jobs.len() < at_once && jobs.last().is_none_or(|last| self.programs(last).is_none()) {
                 let Some(next) = turn.round.next() else { break };
                 jobs.push(next);
             }
