@@ -6,7 +6,7 @@
 
 use super::acquisition::SMALLEST_DEVIATION;
 use super::models::{Models, Scaled};
-use super::surrogate::Surrogate;
+use super::surrogate::{CovariancesWith, Posterior, Surrogate};
 use numbers::distributions::normal_tail::log_improvement;
 
 /// A posterior mean as a function of a standard normal number, the surprise of one more evaluation.
@@ -22,12 +22,22 @@ struct Edge {
     from: f64,
 }
 
+/// What all data together that are left out of [`KnowledgeGradient`] could bring at most.
+const NEGLIGIBLE: f64 = 1e-15;
+/// From this gain on, the data that are left out do not make a millionth.
+const LEAST_GAIN: f64 = 1e6 * NEGLIGIBLE;
+/// Rounding alone makes variances of differences about 1e-16 of the amplitude.
+const LEAST_DIFFERENCE: f64 = 1e-7;
+
 /// Prepared once per proposal, evaluated at many points (Scott, Frazier and Powell 2011, "The correlated knowledge gradient for
 /// simulation optimization of continuous parameters using Gaussian process regression", eq. 4.2).
 pub(super) struct KnowledgeGradient<'a> {
     objective: &'a Scaled,
-    /// Mean above the lowest at each datum that the answer may be; `None` at the others.
-    heights: Vec<Option<f64>>,
+    /// Data that the answer may be, and their means above the lowest.
+    answers: Vec<(usize, f64)>,
+    /// With the answers that are not left out, of which the heights are those.
+    covariances: CovariancesWith,
+    heights: Vec<f64>,
     lowest: f64,
     /// Noise variance of one more evaluation.
     noise: f64,
@@ -35,29 +45,86 @@ pub(super) struct KnowledgeGradient<'a> {
 
 impl<'a> KnowledgeGradient<'a> {
     /// The answer is among the data that are feasible with probability `feasibility`, or else among the likeliest.
+    ///
+    /// Those are left out that will next to never become the answer, whatever one more evaluation brings: see
+    /// [`KnowledgeGradient::is_exact_for`].
     pub fn new(objective: &'a Scaled, models: &Models, feasibility: f64) -> Self {
         let data = objective.surrogate.data();
         let logs = models.log_feasibility(&data.points);
         let least = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max).min(libm::log(feasibility));
         let posteriors = objective.surrogate.scan(&data.points);
-        let means = posteriors.iter().zip(logs).map(|(p, log)| (log >= least).then_some(p.mean));
-        let means: Vec<Option<f64>> = means.collect();
-        let lowest = means.iter().flatten().copied().fold(f64::INFINITY, f64::min);
-        let heights = means.into_iter().map(|mean| mean.map(|mean| mean - lowest)).collect();
+        let means = posteriors.iter().map(|posterior| posterior.mean).zip(logs).enumerate();
+        let means: Vec<(usize, f64)> =
+            means.filter(|(_, (_, log))| *log >= least).map(|(i, (mean, _))| (i, mean)).collect();
+        let lowest = means.iter().map(|(_, mean)| *mean).fold(f64::INFINITY, f64::min);
+        let answers: Vec<(usize, f64)> = means.into_iter().map(|(i, mean)| (i, mean - lowest)).collect();
         let noise = data.noise_of_another(objective.surrogate.hyper_parameters().noise);
-        KnowledgeGradient { objective, heights, lowest, noise }
+        let gradient = Self::among(objective, answers, lowest, noise, |_| true);
+        let rivals = gradient.rivals(&posteriors);
+        let KnowledgeGradient { answers, .. } = gradient;
+        Self::among(objective, answers, lowest, noise, |i| rivals.contains(&i))
+    }
+
+    fn among(
+        objective: &'a Scaled,
+        answers: Vec<(usize, f64)>,
+        lowest: f64,
+        noise: f64,
+        is_kept: impl Fn(usize) -> bool,
+    ) -> Self {
+        let kept = answers.iter().copied().filter(|(i, _)| is_kept(*i));
+        let (data, heights): (Vec<usize>, Vec<f64>) = kept.unzip();
+        let covariances = objective.surrogate.covariances_with(&data);
+        KnowledgeGradient { objective, answers, covariances, heights, lowest, noise }
+    }
+
+    /// With all data that the answer may be.
+    pub fn complete(self) -> Self {
+        Self::among(self.objective, self.answers, self.lowest, self.noise, |_| true)
+    }
+
+    /// Whether a gain with this logarithm, which is the largest, is that with all data to a millionth.
+    pub fn is_exact_for(&self, log: f64) -> bool {
+        log >= libm::log(LEAST_GAIN) || self.heights.len() == self.answers.len()
+    }
+
+    /// The answer, and the data that could take its place, of a gradient with all of them.
+    ///
+    /// One more evaluation moves the difference of two means by at most the deviation δ of the difference of the latent function
+    /// there. A datum that lies h above the answer can so bring at most E[max(δ Z − h, 0)], wherever the evaluation is.
+    fn rivals(&self, posteriors: &[Posterior]) -> Vec<usize> {
+        let Some(&(best, _)) = self.answers.iter().find(|(_, height)| *height == 0.0) else {
+            return self.answers.iter().map(|(i, _)| *i).collect();
+        };
+        let surrogate = &self.objective.surrogate;
+        let mut gains = Vec::with_capacity(self.answers.len());
+        let place = std::slice::from_ref(&surrogate.data().points[best]);
+        surrogate.scan_with_covariances(place, &self.covariances, |_, covariances| {
+            for ((i, height), covariance) in self.answers.iter().zip(covariances) {
+                let variance = posteriors[best].variance + posteriors[*i].variance - 2.0 * covariance;
+                let deviation = variance.max(LEAST_DIFFERENCE * LEAST_DIFFERENCE).sqrt();
+                gains.push((*i, deviation * libm::exp(log_improvement(-height / deviation))));
+            }
+        });
+        gains.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
+        let mut all = 0.0;
+        gains.retain(|(i, gain)| {
+            all += gain;
+            all > NEGLIGIBLE || *i == best
+        });
+        gains.into_iter().map(|(i, _)| i).collect()
     }
 
     /// Its logarithm at each point, as if the point could be the answer once evaluated.
     pub fn log(&self, points: &[Vec<f64>]) -> Vec<f64> {
         let mut logs = Vec::with_capacity(points.len());
         let (mut lines, mut envelope) = (Vec::new(), Vec::new());
-        self.objective.surrogate.scan_with_covariances(points, |posterior, covariances| {
+        let surrogate = &self.objective.surrogate;
+        surrogate.scan_with_covariances(points, &self.covariances, |posterior, covariances| {
             let spread = (posterior.variance + self.noise).sqrt().max(SMALLEST_DEVIATION);
             lines.clear();
-            for (height, covariance) in self.heights.iter().zip(covariances) {
-                lines.extend(height.map(|intercept| Line { slope: covariance / spread, intercept }));
-            }
+            let known = self.heights.iter().zip(covariances);
+            lines.extend(known.map(|(&intercept, covariance)| Line { slope: covariance / spread, intercept }));
             lines.push(Line { slope: posterior.variance / spread, intercept: posterior.mean - self.lowest });
             logs.push(log_expected_fall(&mut lines, &mut envelope));
         });

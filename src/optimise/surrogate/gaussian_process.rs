@@ -6,11 +6,11 @@ use friedrich::gaussian_process::GaussianProcess;
 use friedrich::prior::ConstantPrior;
 use nalgebra::DVector;
 
-use super::dense::{Factor, LANES, dot};
+use super::dense::{Factor, LANES, Lanes, dot};
 use super::fit::{self, Effort};
 use super::kernel::{ArdMatern52, HyperParameters};
 use super::likelihood::{Likelihood, Prior};
-use super::{Dataset, Noise, Posterior, Surrogate};
+use super::{CovariancesWith, Dataset, Noise, Posterior, Surrogate};
 use crate::Error;
 
 /// Least noise variance that reaches friedrich, as a share of the amplitude: keeps every covariance matrix invertible.
@@ -67,19 +67,37 @@ impl FriedrichSurrogate {
     pub fn with_hyper_parameters(data: Dataset, hyper: HyperParameters) -> Result<Self, Error> {
         data.check()?;
         let kernel = ArdMatern52::new(&hyper, &data.categorical);
-        let n = data.points.len();
-        let floor = NOISE_FLOOR * hyper.amplitude;
-        let mut covariance = prior_covariance(&kernel, &data.points);
-        for i in 0..n {
-            covariance[i * n + i] += data.noise_variance(i, hyper.noise).max(floor);
-        }
+        let covariance = covariance_rows(&kernel, &data, &hyper, 0);
         // friedrich panics on a matrix it cannot factor: try it here first.
-        let (factor, jitter) = Factor::with_jitter(n, &covariance, hyper.amplitude).ok_or_else(|| {
+        let (factor, jitter) = Factor::with_jitter(&covariance, hyper.amplitude).ok_or_else(|| {
             Error::Surrogate("the covariance of the evaluated points cannot be factored".to_owned())
         })?;
+        Ok(Self::from_factor(data, hyper, kernel, factor, jitter))
+    }
+
+    /// The posterior for these hyper-parameters and other data, of which the first `keep` have the points and the noise of these:
+    /// the same bits as anew.
+    fn with_data(&self, data: Dataset, keep: usize) -> Result<Self, Error> {
+        if self.jitter == 0.0 {
+            let others = covariance_rows(&self.kernel, &data, &self.hyper, keep);
+            if let Some(factor) = self.factor.grown(keep, &others) {
+                data.check()?;
+                return Ok(Self::from_factor(data, self.hyper.clone(), self.kernel.clone(), factor, 0.0));
+            }
+        }
+        Self::with_hyper_parameters(data, self.hyper.clone())
+    }
+
+    fn from_factor(
+        data: Dataset,
+        hyper: HyperParameters,
+        kernel: ArdMatern52,
+        factor: Factor,
+        jitter: f64,
+    ) -> Self {
         let mut whitened = data.values.clone();
         factor.solve_lower(&mut whitened);
-        Ok(FriedrichSurrogate { data, hyper, jitter, kernel, factor, whitened, process: OnceLock::new() })
+        FriedrichSurrogate { data, hyper, jitter, kernel, factor, whitened, process: OnceLock::new() }
     }
 
     fn process(&self) -> &GaussianProcess<ArdMatern52, ConstantPrior> {
@@ -94,21 +112,19 @@ impl FriedrichSurrogate {
 
     /// Variance on the diagonal of the covariance of the data besides the amplitude.
     fn noise(&self, i: usize) -> f64 {
-        let floor = NOISE_FLOOR * self.hyper.amplitude;
-        self.data.noise_variance(i, self.hyper.noise).max(floor) + self.jitter
+        noise_of(&self.data, &self.hyper, i) + self.jitter
     }
 
     /// Beliefs at `points`, [`LANES`] at a time, each time with L⁻¹ k of every one, side by side.
-    fn in_lanes(&self, points: &[Vec<f64>], mut take: impl FnMut(&[Posterior], &mut [[f64; LANES]])) {
+    fn in_lanes(&self, points: &[Vec<f64>], mut take: impl FnMut(&[Posterior], &[Lanes])) {
         let mut lanes = vec![[0.0; LANES]; self.data.points.len()];
         let origin = points.first().map_or(0.0, |point| self.kernel.covariance(point, point));
         for chunk in points.chunks(LANES) {
+            let places = ArdMatern52::side_by_side(chunk);
             for (row, known) in lanes.iter_mut().zip(&self.data.points) {
-                for (lane, point) in row.iter_mut().zip(chunk) {
-                    *lane = self.kernel.covariance(known, point);
-                }
+                *row = self.kernel.covariances(known, &places);
             }
-            self.factor.solve_lower_lanes(&mut lanes);
+            self.factor.solve_lower_lanes(0, &mut lanes);
             let (mut means, mut explained) = ([0.0; LANES], [0.0; LANES]);
             for (row, value) in lanes.iter().zip(&self.whitened) {
                 for lane in 0..LANES {
@@ -119,7 +135,7 @@ impl FriedrichSurrogate {
             let belief =
                 |lane: usize| Posterior { mean: means[lane], variance: (origin - explained[lane]).max(0.0) };
             let posteriors: [Posterior; LANES] = std::array::from_fn(belief);
-            take(&posteriors[..chunk.len()], &mut lanes);
+            take(&posteriors[..chunk.len()], &lanes);
         }
     }
 
@@ -134,16 +150,25 @@ impl FriedrichSurrogate {
     }
 }
 
-/// Prior covariance of the latent function between points: lower triangle, row-major n × n.
-fn prior_covariance(kernel: &ArdMatern52, points: &[Vec<f64>]) -> Vec<f64> {
-    let n = points.len();
-    let mut covariance = vec![0.0; n * n];
-    for i in 0..n {
-        for j in 0..=i {
-            covariance[i * n + j] = kernel.covariance(&points[i], &points[j]);
+/// Variance of the noise of datum `i`, no less than the floor.
+fn noise_of(data: &Dataset, hyper: &HyperParameters, i: usize) -> f64 {
+    data.noise_variance(i, hyper.noise).max(NOISE_FLOOR * hyper.amplitude)
+}
+
+/// Covariance of the data, noise included, from row `first` on: rows of the lower triangle.
+fn covariance_rows(kernel: &ArdMatern52, data: &Dataset, hyper: &HyperParameters, first: usize) -> Vec<f64> {
+    let n = data.points.len();
+    let places: Vec<Vec<Lanes>> = data.points.chunks(LANES).map(ArdMatern52::side_by_side).collect();
+    let mut rows = Vec::with_capacity(n * (n + 1) / 2);
+    for i in first..n {
+        let begin = rows.len();
+        for places in &places[..=i / LANES] {
+            rows.extend(kernel.covariances(&data.points[i], places));
         }
+        rows.truncate(begin + i + 1);
+        rows[begin + i] += noise_of(data, hyper, i);
     }
-    covariance
+    rows
 }
 
 impl Surrogate for FriedrichSurrogate {
@@ -168,18 +193,40 @@ impl Surrogate for FriedrichSurrogate {
         posteriors
     }
 
-    fn scan_with_covariances(&self, points: &[Vec<f64>], mut visit: impl FnMut(Posterior, &[f64])) {
-        let noise: Vec<f64> = (0..self.data.points.len()).map(|i| self.noise(i)).collect();
-        let mut covariances = vec![0.0; noise.len()];
+    fn covariances_with(&self, data: &[usize]) -> CovariancesWith {
+        // With K' = K + N, k_i is column i of K' − N, so cov(f(x), f_i | y) = k(x, x_i) − kᵀ K'⁻¹ k_i = N_ii (K'⁻¹ k)_i, which is
+        // N_ii times column i of L⁻¹ times L⁻¹ k.
+        let blocks = data.chunks(LANES).map(|chunk| {
+            let mut columns = self.factor.columns_of_inverse(chunk);
+            for lanes in &mut columns {
+                lanes.iter_mut().zip(chunk).for_each(|(entry, i)| *entry *= self.noise(*i));
+            }
+            (chunk[0], columns)
+        });
+        CovariancesWith { count: data.len(), blocks: blocks.collect() }
+    }
+
+    fn scan_with_covariances(
+        &self,
+        points: &[Vec<f64>],
+        with: &CovariancesWith,
+        mut visit: impl FnMut(Posterior, &[f64]),
+    ) {
+        let mut all = vec![[0.0; LANES]; with.blocks.len() * LANES];
+        let mut covariances = vec![0.0; with.count];
         self.in_lanes(points, |posteriors, lanes| {
-            self.factor.solve_upper_lanes(lanes);
+            for ((first, columns), all) in with.blocks.iter().zip(all.chunks_exact_mut(LANES)) {
+                for (datum, sums) in all.iter_mut().enumerate() {
+                    *sums = [0.0; LANES];
+                    for (column, lanes) in columns.iter().zip(&lanes[*first..]) {
+                        for lane in 0..LANES {
+                            sums[lane] += column[datum] * lanes[lane];
+                        }
+                    }
+                }
+            }
             for (lane, posterior) in posteriors.iter().enumerate() {
-                // With K' = K + N, k_i is column i of K' − N, so cov(f(x), f_i | y) = k(x, x_i) − kᵀ K'⁻¹ k_i = N_ii (K'⁻¹ k)_i.
-                let weights = lanes.iter().map(|row| row[lane]);
-                covariances
-                    .iter_mut()
-                    .zip(weights.zip(&noise))
-                    .for_each(|(c, (weight, noise))| *c = weight * noise);
+                covariances.iter_mut().zip(&all).for_each(|(covariance, lanes)| *covariance = lanes[lane]);
                 visit(*posterior, &covariances);
             }
         });
@@ -194,17 +241,19 @@ impl Surrogate for FriedrichSurrogate {
         let rows = ArdMatern52::query_rows(points);
         let means = self.process().predict(&rows);
         let covariance = self.process().predict_covariance(&rows);
-        let (factor, _) =
-            Factor::with_jitter(n, covariance.as_slice(), self.hyper.amplitude).ok_or_else(|| {
-                Error::Surrogate("the joint covariance of the points to sample cannot be factored".to_owned())
-            })?;
+        let triangle: Vec<f64> =
+            (0..n).flat_map(|i| (0..=i).map(move |j| (i, j))).map(|place| covariance[place]).collect();
+        let (factor, _) = Factor::with_jitter(&triangle, self.hyper.amplitude).ok_or_else(|| {
+            Error::Surrogate("the joint covariance of the points to sample cannot be factored".to_owned())
+        })?;
         let draw = |normal: &Vec<f64>| (0..n).map(|i| means[i] + dot(factor.row(i), &normal[..=i])).collect();
         Ok(normals.iter().map(draw).collect())
     }
 
     fn condition(&self, point: Vec<f64>, value: f64, noise: Noise) -> Result<Self, Error> {
         let mut data = self.data.clone();
-        match data.points.iter().position(|known| *known == point) {
+        let known = data.points.iter().position(|known| *known == point);
+        match known {
             // Another look at a known place: the precision-weighted mean of both.
             Some(i) => {
                 let (old, new) = (
@@ -220,8 +269,8 @@ impl Surrogate for FriedrichSurrogate {
                 data.noise.push(noise);
             }
         }
-        // friedrich's `add_samples` panics on near duplicates: a new factorisation costs a fraction of a millisecond.
-        Self::with_hyper_parameters(data, self.hyper.clone())
+        // friedrich's `add_samples` panics on near duplicates.
+        self.with_data(data, known.unwrap_or(self.data.points.len()))
     }
 
     fn hyper_parameters(&self) -> &HyperParameters {
@@ -338,13 +387,15 @@ mod tests {
             );
         }
         assert!(model.scan(&[]).is_empty());
-        // Covariances with the data, against friedrich's joint covariance.
+        // Covariances with some of the data, against friedrich's joint covariance.
+        let some: Vec<usize> = (0..23).filter(|i| i % 2 == 1).collect();
         let mut index = 0;
-        model.scan_with_covariances(&at, |posterior, covariances| {
+        model.scan_with_covariances(&at, &model.covariances_with(&some), |posterior, covariances| {
             assert_eq!(posterior, scanned[index]);
             let mut rows = vec![at[index].clone()];
-            rows.extend(model.data().points.iter().cloned());
+            rows.extend(some.iter().map(|i| model.data().points[*i].clone()));
             let joint = model.process().predict_covariance(&ArdMatern52::query_rows(&rows));
+            assert_eq!(covariances.len(), some.len());
             for (i, covariance) in covariances.iter().enumerate() {
                 assert!((covariance - joint[(0, i + 1)]).abs() < 1e-10, "{index} {i}");
             }

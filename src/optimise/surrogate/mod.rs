@@ -12,6 +12,7 @@ pub use kernel::HyperParameters;
 pub use standardise::{Outliers, Standardisation};
 
 use super::Error;
+use dense::Lanes;
 
 /// The noise of one datum: a share of the fitted noise, and what is known besides.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -65,8 +66,16 @@ pub trait Surrogate: Sized {
     /// The same belief, up to rounding, in the shortest time: for the thousand candidates of an acquisition's maximum.
     fn scan(&self, points: &[Vec<f64>]) -> Vec<Posterior>;
 
-    /// Like [`Surrogate::scan`], point by point, each with its posterior covariance with the latent function at every datum.
-    fn scan_with_covariances(&self, points: &[Vec<f64>], visit: impl FnMut(Posterior, &[f64]));
+    /// What covariances of the latent function at any point with that at these data, in ascending order, are computed from.
+    fn covariances_with(&self, data: &[usize]) -> CovariancesWith;
+
+    /// Like [`Surrogate::scan`], point by point, each with its posterior covariance with the latent function at some of the data.
+    fn scan_with_covariances(
+        &self,
+        points: &[Vec<f64>],
+        with: &CovariancesWith,
+        visit: impl FnMut(Posterior, &[f64]),
+    );
 
     /// Joint draws of the latent function at `points`, one for each vector of standard normal numbers in `normals`.
     ///
@@ -82,6 +91,13 @@ pub trait Surrogate: Sized {
 
     /// The hyper-parameters in use.
     fn hyper_parameters(&self) -> &HyperParameters;
+}
+
+/// Made by [`Surrogate::covariances_with`].
+pub struct CovariancesWith {
+    count: usize,
+    /// Columns of the inverse of the covariance's factor, times the noise, from the row on that is given first.
+    blocks: Vec<(usize, Vec<Lanes>)>,
 }
 
 impl Dataset {
