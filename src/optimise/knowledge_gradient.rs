@@ -6,7 +6,7 @@
 
 use super::acquisition::SMALLEST_DEVIATION;
 use super::models::{Models, Scaled};
-use super::surrogate::{CovariancesWith, Posterior, Surrogate};
+use super::surrogate::{CovariancesWith, Surrogate};
 use numbers::distributions::normal_tail::log_improvement;
 
 /// A posterior mean as a function of a standard normal number, the surprise of one more evaluation.
@@ -22,10 +22,11 @@ struct Edge {
     from: f64,
 }
 
-/// What all data together that are left out of [`KnowledgeGradient`] could bring at most.
-const NEGLIGIBLE: f64 = 1e-15;
-/// From this gain on, the data that are left out do not make a millionth.
-const LEAST_GAIN: f64 = 1e6 * NEGLIGIBLE;
+/// An answer that lies further above the best one than so many deviations of what may happen to their difference is out of reach:
+/// it brings less than 1.3e-20 of such a deviation.
+const REACH: f64 = 9.0;
+/// From this gain on, all answers that are out of reach do not make a millionth, be they a hundred thousand deviations.
+const LEAST_GAIN: f64 = 1e-9;
 /// Rounding alone makes variances of differences about 1e-16 of the amplitude.
 const LEAST_DIFFERENCE: f64 = 1e-7;
 
@@ -33,86 +34,73 @@ const LEAST_DIFFERENCE: f64 = 1e-7;
 /// simulation optimization of continuous parameters using Gaussian process regression", eq. 4.2).
 pub(super) struct KnowledgeGradient<'a> {
     objective: &'a Scaled,
-    /// Data that the answer may be, and their means above the lowest.
-    answers: Vec<(usize, f64)>,
-    /// With the answers that are not left out, of which the heights are those.
-    covariances: CovariancesWith,
+    /// Data that the answer may be, in ascending order, how far their means lie above the lowest, and which of them that is.
+    answers: Vec<usize>,
     heights: Vec<f64>,
+    best: usize,
     lowest: f64,
+    /// Of the latent function with that at the answers.
+    covariances: CovariancesWith,
+    /// In deviations.
+    reach: f64,
     /// Noise variance of one more evaluation.
     noise: f64,
 }
 
 impl<'a> KnowledgeGradient<'a> {
     /// The answer is among the data that are feasible with probability `feasibility`, or else among the likeliest.
-    ///
-    /// Those are left out that will next to never become the answer, whatever one more evaluation brings: see
-    /// [`KnowledgeGradient::is_exact_for`].
-    pub fn new(objective: &'a Scaled, models: &Models, feasibility: f64) -> Self {
+    pub fn new(objective: &'a Scaled, models: &Models, feasibility: f64) -> Option<Self> {
         let data = objective.surrogate.data();
         let logs = models.log_feasibility(&data.points);
         let least = logs.iter().copied().fold(f64::NEG_INFINITY, f64::max).min(libm::log(feasibility));
-        let posteriors = objective.surrogate.scan(&data.points);
-        let means = posteriors.iter().map(|posterior| posterior.mean).zip(logs).enumerate();
-        let means: Vec<(usize, f64)> =
-            means.filter(|(_, (_, log))| *log >= least).map(|(i, (mean, _))| (i, mean)).collect();
-        let lowest = means.iter().map(|(_, mean)| *mean).fold(f64::INFINITY, f64::min);
-        let answers: Vec<(usize, f64)> = means.into_iter().map(|(i, mean)| (i, mean - lowest)).collect();
-        let noise = data.noise_of_another(objective.surrogate.hyper_parameters().noise);
-        let gradient = Self::among(objective, answers, lowest, noise, |_| true);
-        let rivals = gradient.rivals(&posteriors);
-        let KnowledgeGradient { answers, .. } = gradient;
-        Self::among(objective, answers, lowest, noise, |i| rivals.contains(&i))
+        let means = objective.surrogate.scan(&data.points).into_iter().map(|posterior| posterior.mean);
+        let likely = means.zip(logs).enumerate().filter(|(_, (_, log))| *log >= least);
+        let (answers, means): (Vec<usize>, Vec<f64>) = likely.map(|(i, (mean, _))| (i, mean)).unzip();
+        let best = (0..means.len()).min_by(|&a, &b| means[a].total_cmp(&means[b]))?;
+        let lowest = means[best];
+        Some(KnowledgeGradient {
+            objective,
+            heights: means.iter().map(|mean| mean - lowest).collect(),
+            best,
+            lowest,
+            covariances: objective.surrogate.covariances_with(&answers),
+            answers,
+            reach: f64::MAX,
+            noise: data.noise_of_another(objective.surrogate.hyper_parameters().noise),
+        })
     }
 
-    fn among(
-        objective: &'a Scaled,
-        answers: Vec<(usize, f64)>,
-        lowest: f64,
-        noise: f64,
-        is_kept: impl Fn(usize) -> bool,
-    ) -> Self {
-        let kept = answers.iter().copied().filter(|(i, _)| is_kept(*i));
-        let (data, heights): (Vec<usize>, Vec<f64>) = kept.unzip();
-        let covariances = objective.surrogate.covariances_with(&data);
-        KnowledgeGradient { objective, answers, covariances, heights, lowest, noise }
-    }
-
-    /// With all data that the answer may be.
-    pub fn complete(self) -> Self {
-        Self::among(self.objective, self.answers, self.lowest, self.noise, |_| true)
-    }
-
-    /// Whether a gain with this logarithm, which is the largest, is that with all data to a millionth.
-    pub fn is_exact_for(&self, log: f64) -> bool {
-        log >= libm::log(LEAST_GAIN) || self.heights.len() == self.answers.len()
-    }
-
-    /// The answer, and the data that could take its place, of a gradient with all of them.
-    ///
-    /// One more evaluation moves the difference of two means by at most the deviation δ of the difference of the latent function
-    /// there. A datum that lies h above the answer can so bring at most E[max(δ Z − h, 0)], wherever the evaluation is.
-    fn rivals(&self, posteriors: &[Posterior]) -> Vec<usize> {
-        let Some(&(best, _)) = self.answers.iter().find(|(_, height)| *height == 0.0) else {
-            return self.answers.iter().map(|(i, _)| *i).collect();
-        };
+    /// Without answers that are out of reach of what one more evaluation may bring, which are most in the end. Where
+    /// [`KnowledgeGradient::is_exact`] for the largest gain, that is the same to a millionth.
+    pub fn within_reach(&self) -> Self {
         let surrogate = &self.objective.surrogate;
-        let mut gains = Vec::with_capacity(self.answers.len());
-        let place = std::slice::from_ref(&surrogate.data().points[best]);
-        surrogate.scan_with_covariances(place, &self.covariances, |_, covariances| {
-            for ((i, height), covariance) in self.answers.iter().zip(covariances) {
-                let variance = posteriors[best].variance + posteriors[*i].variance - 2.0 * covariance;
-                let deviation = variance.max(LEAST_DIFFERENCE * LEAST_DIFFERENCE).sqrt();
-                gains.push((*i, deviation * libm::exp(log_improvement(-height / deviation))));
-            }
-        });
-        gains.sort_by(|a, b| a.1.total_cmp(&b.1).then(a.0.cmp(&b.0)));
-        let mut all = 0.0;
-        gains.retain(|(i, gain)| {
-            all += gain;
-            all > NEGLIGIBLE || *i == best
-        });
-        gains.into_iter().map(|(i, _)| i).collect()
+        let place = std::slice::from_ref(&surrogate.data().points[self.answers[self.best]]);
+        let mut with_best = Vec::new();
+        surrogate.scan_with_covariances(place, &self.covariances, |_, all| with_best = all.to_vec());
+        let places: Vec<Vec<f64>> =
+            self.answers.iter().map(|i| surrogate.data().points[*i].clone()).collect();
+        let posteriors = surrogate.scan(&places);
+        let is_in_reach = |&answer: &usize| {
+            // No evaluation moves the difference of two means by more than the deviation of that of the latent function.
+            let variances = posteriors[self.best].variance + posteriors[answer].variance;
+            let variance = (variances - 2.0 * with_best[answer]).max(LEAST_DIFFERENCE * LEAST_DIFFERENCE);
+            self.heights[answer] <= REACH * variance.sqrt()
+        };
+        let kept: Vec<usize> = (0..self.answers.len()).filter(is_in_reach).collect();
+        let answers: Vec<usize> = kept.iter().map(|&answer| self.answers[answer]).collect();
+        KnowledgeGradient {
+            heights: kept.iter().map(|&answer| self.heights[answer]).collect(),
+            best: kept.iter().position(|&answer| answer == self.best).unwrap_or(0),
+            covariances: surrogate.covariances_with(&answers),
+            answers,
+            reach: REACH,
+            ..*self
+        }
+    }
+
+    /// Whether a largest gain with this logarithm is large beside all that is out of reach.
+    pub fn is_exact(log: f64) -> bool {
+        log >= libm::log(LEAST_GAIN)
     }
 
     /// Its logarithm at each point, as if the point could be the answer once evaluated.
@@ -123,8 +111,12 @@ impl<'a> KnowledgeGradient<'a> {
         surrogate.scan_with_covariances(points, &self.covariances, |posterior, covariances| {
             let spread = (posterior.variance + self.noise).sqrt().max(SMALLEST_DEVIATION);
             lines.clear();
-            let known = self.heights.iter().zip(covariances);
-            lines.extend(known.map(|(&intercept, covariance)| Line { slope: covariance / spread, intercept }));
+            let best = covariances[self.best];
+            for (&intercept, covariance) in self.heights.iter().zip(covariances) {
+                if intercept * spread <= self.reach * (covariance - best).abs() {
+                    lines.push(Line { slope: covariance / spread, intercept });
+                }
+            }
             lines.push(Line { slope: posterior.variance / spread, intercept: posterior.mean - self.lowest });
             logs.push(log_expected_fall(&mut lines, &mut envelope));
         });

@@ -326,13 +326,10 @@ impl Optimiser {
             let lowest = self.lowest_observed(objective.surrogate.data())?;
             return Some(search(&|points| log_expected_improvement(&objective.surrogate.scan(points), lowest)));
         }
-        let gradient = KnowledgeGradient::new(objective, models, *feasibility);
-        let (found, log) = search(&|points| gradient.log(points));
-        if gradient.is_exact_for(log) {
-            return Some((found, log));
-        }
-        let complete = gradient.complete();
-        Some(search(&|points| complete.log(points)))
+        let gradient = KnowledgeGradient::new(objective, models, *feasibility)?;
+        let within_reach = gradient.within_reach();
+        let found = search(&|points| within_reach.log(points));
+        Some(if KnowledgeGradient::is_exact(found.1) { found } else { search(&|points| gradient.log(points)) })
     }
 
     /// The smallest value on the surrogate's scale observed where no constraint was seen violated; what is only believed of

@@ -4,6 +4,8 @@
 //! its instructions by processor, so that two machines may differ in the last bit. Everything here is one fixed order of
 //! additions, row by row, in contiguous memory.
 
+use super::widest::widest;
+
 /// Dot product with eight running sums, which the compiler can vectorise without changing the order of additions.
 #[inline]
 pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -68,38 +70,21 @@ impl Factor {
     /// Replaces the next `count` rows by those of L.
     fn factor_rows(&mut self, count: usize, lanes: &mut [Lanes]) -> Option<()> {
         let first = self.n;
-        let end = first + count;
-        lanes[..end].fill([0.0; LANES]);
+        let lanes = &mut lanes[..first + count];
+        lanes.fill([0.0; LANES]);
         for lane in 0..count {
             let row = &self.rows[start(first + lane)..start(first + lane + 1)];
             lanes.iter_mut().zip(row).for_each(|(lanes, entry)| lanes[lane] = *entry);
         }
         self.solve_lower_lanes(0, &mut lanes[..first]);
-        for j in 0..count {
-            let (known, rest) = lanes[..end].split_at_mut(first + j);
-            let mut sums = [0.0; LANES];
-            for solved in known.iter() {
-                let own = solved[j];
-                for lane in 0..LANES {
-                    sums[lane] += own * solved[lane];
-                }
-            }
-            let column = &mut rest[0];
-            let pivot = column[j] - sums[j];
-            if !(pivot > 0.0 && pivot.is_finite()) {
-                return None;
-            }
-            let root = pivot.sqrt();
-            column[j] = root;
-            for lane in j + 1..LANES {
-                column[lane] = (column[lane] - sums[lane]) / root;
-            }
+        if !factor_among(first, lanes) {
+            return None;
         }
         for lane in 0..count {
             let row = &mut self.rows[start(first + lane)..start(first + lane + 1)];
             lanes.iter().zip(row).for_each(|(lanes, entry)| *entry = lanes[lane]);
         }
-        self.n = end;
+        self.n += count;
         Some(())
     }
 
@@ -144,19 +129,7 @@ impl Factor {
     /// Replaces each of [`LANES`] vectors b, which lie side by side, by L⁻¹ b. They begin at row `first`, before which they are
     /// zero, and may be shorter than L.
     pub fn solve_lower_lanes(&self, first: usize, b: &mut [Lanes]) {
-        for i in 0..b.len() {
-            let (solved, rest) = b.split_at_mut(i);
-            let row = &self.row(first + i)[first..];
-            let mut sums = [0.0; LANES];
-            for (l, known) in row.iter().zip(solved.iter()) {
-                for lane in 0..LANES {
-                    sums[lane] += l * known[lane];
-                }
-            }
-            for lane in 0..LANES {
-                rest[0][lane] = (rest[0][lane] - sums[lane]) / row[i];
-            }
-        }
+        solve_lower_lanes(&self.rows, first, b);
     }
 
     /// Replaces b by L⁻ᵀ b.
@@ -181,14 +154,9 @@ impl Factor {
         // A⁻¹ = L⁻ᵀ L⁻¹: entry (i, j) is the sum of the products of columns i and j.
         for (block, left) in columns.iter().enumerate() {
             for (other, right) in columns[..=block].iter().enumerate() {
-                let right = &right[(block - other) * LANES..];
-                for lane in 0..LANES.min(n - block * LANES) {
-                    let mut sums = [0.0; LANES];
-                    for (left, right) in left.iter().zip(right) {
-                        for to in 0..LANES {
-                            sums[to] += left[lane] * right[to];
-                        }
-                    }
+                let count = LANES.min(n - block * LANES);
+                let products = products(left, count, &right[(block - other) * LANES..]);
+                for (lane, sums) in products[..count].iter().enumerate() {
                     let (i, j) = (block * LANES + lane, other * LANES);
                     let count = LANES.min(i + 1 - j);
                     inverse[start(i) + j..][..count].copy_from_slice(&sums[..count]);
@@ -205,6 +173,69 @@ impl Factor {
         columns.iter().enumerate().for_each(|(lane, column)| lanes[column - first][lane] = 1.0);
         self.solve_lower_lanes(first, &mut lanes);
         lanes
+    }
+}
+
+widest! {
+    fn solve_lower_lanes(rows: &[f64], first: usize, b: &mut [Lanes]) {
+        for i in 0..b.len() {
+            let (solved, rest) = b.split_at_mut(i);
+            let row = &rows[start(first + i)..start(first + i + 1)][first..];
+            let mut sums = [0.0; LANES];
+            for (l, known) in row.iter().zip(solved.iter()) {
+                for lane in 0..LANES {
+                    sums[lane] += l * known[lane];
+                }
+            }
+            for lane in 0..LANES {
+                rest[0][lane] = (rest[0][lane] - sums[lane]) / row[i];
+            }
+        }
+    }
+}
+
+widest! {
+    /// Makes the rows of L from `first` on, side by side, from their entries before, which are made, and the rest of the matrix.
+    fn factor_among(first: usize, lanes: &mut [Lanes]) -> bool {
+        for j in 0..lanes.len() - first {
+            let (known, rest) = lanes.split_at_mut(first + j);
+            let mut sums = [0.0; LANES];
+            for solved in known.iter() {
+                let own = solved[j];
+                for lane in 0..LANES {
+                    sums[lane] += own * solved[lane];
+                }
+            }
+            let column = &mut rest[0];
+            let pivot = column[j] - sums[j];
+            if !(pivot > 0.0 && pivot.is_finite()) {
+                return false;
+            }
+            let root = pivot.sqrt();
+            column[j] = root;
+            for lane in j + 1..LANES {
+                column[lane] = (column[lane] - sums[lane]) / root;
+            }
+        }
+        true
+    }
+}
+
+widest! {
+    /// The sums of the products of each of the first `count` vectors that lie side by side with each of the others.
+    pub(super) fn products(some: &[Lanes], count: usize, others: &[Lanes]) -> [Lanes; LANES] {
+        let mut all = [[0.0; LANES]; LANES];
+        for (lane, all) in all[..count].iter_mut().enumerate() {
+            let mut sums = [0.0; LANES];
+            for (some, others) in some.iter().zip(others) {
+                let factor = some[lane];
+                for other in 0..LANES {
+                    sums[other] += factor * others[other];
+                }
+            }
+            *all = sums;
+        }
+        all
     }
 }
 

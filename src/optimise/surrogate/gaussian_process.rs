@@ -1,13 +1,14 @@
 //! The surrogate on friedrich's Gaussian process: friedrich computes posteriors, we choose hyper-parameters and guard its edges.
 
+use std::ops::Range;
 use std::sync::OnceLock;
 
 use friedrich::gaussian_process::GaussianProcess;
 use friedrich::prior::ConstantPrior;
 use nalgebra::DVector;
 
-use super::dense::{Factor, LANES, Lanes, dot};
-use super::fit::{self, Effort};
+use super::dense::{Factor, LANES, Lanes, dot, products};
+use super::fit::{self, ALL_STARTS};
 use super::kernel::{ArdMatern52, HyperParameters};
 use super::likelihood::{Likelihood, Prior};
 use super::{CovariancesWith, Dataset, Noise, Posterior, Surrogate};
@@ -39,17 +40,17 @@ impl FriedrichSurrogate {
         data: Dataset,
         previous: Option<&HyperParameters>,
     ) -> Result<Self, Error> {
-        Self::fit_with(data, previous, Effort::MultiStart, Prior::Bounds)
+        Self::fit_with(data, previous, ALL_STARTS, Prior::Bounds)
     }
 
     fn fit_with(
         data: Dataset,
         previous: Option<&HyperParameters>,
-        effort: Effort,
+        turns: Range<usize>,
         prior: Prior,
     ) -> Result<Self, Error> {
         data.check()?;
-        let found = fit::fit(&Likelihood::new(&data, prior), previous, effort);
+        let found = fit::fit(&Likelihood::new(&data, prior), previous, turns);
         // No start could be factored: the last good hyper-parameters, else neutral ones with ample noise.
         let hyper = found.or_else(|| previous.cloned()).unwrap_or_else(|| HyperParameters {
             length_scales: vec![0.3 * (data.categorical.len() as f64).sqrt(); data.categorical.len()],
@@ -121,9 +122,7 @@ impl FriedrichSurrogate {
         let origin = points.first().map_or(0.0, |point| self.kernel.covariance(point, point));
         for chunk in points.chunks(LANES) {
             let places = ArdMatern52::side_by_side(chunk);
-            for (row, known) in lanes.iter_mut().zip(&self.data.points) {
-                *row = self.kernel.covariances(known, &places);
-            }
+            self.kernel.covariances(&self.data.points, &places, &mut lanes);
             self.factor.solve_lower_lanes(0, &mut lanes);
             let (mut means, mut explained) = ([0.0; LANES], [0.0; LANES]);
             for (row, value) in lanes.iter().zip(&self.whitened) {
@@ -157,24 +156,24 @@ fn noise_of(data: &Dataset, hyper: &HyperParameters, i: usize) -> f64 {
 
 /// Covariance of the data, noise included, from row `first` on: rows of the lower triangle.
 fn covariance_rows(kernel: &ArdMatern52, data: &Dataset, hyper: &HyperParameters, first: usize) -> Vec<f64> {
-    let n = data.points.len();
-    let places: Vec<Vec<Lanes>> = data.points.chunks(LANES).map(ArdMatern52::side_by_side).collect();
+    let (n, points) = (data.points.len(), &data.points);
+    let mut lanes = vec![[0.0; LANES]; n];
     let mut rows = Vec::with_capacity(n * (n + 1) / 2);
-    for i in first..n {
-        let begin = rows.len();
-        for places in &places[..=i / LANES] {
-            rows.extend(kernel.covariances(&data.points[i], places));
+    for block in (first..n).step_by(LANES) {
+        let end = n.min(block + LANES);
+        kernel.covariances(&points[..end], &ArdMatern52::side_by_side(&points[block..end]), &mut lanes);
+        for i in block..end {
+            rows.extend(lanes[..=i].iter().map(|lanes| lanes[i - block]));
+            let last = rows.len() - 1;
+            rows[last] += noise_of(data, hyper, i);
         }
-        rows.truncate(begin + i + 1);
-        rows[begin + i] += noise_of(data, hyper, i);
     }
     rows
 }
 
 impl Surrogate for FriedrichSurrogate {
-    fn fit(data: Dataset, previous: Option<&HyperParameters>, refine: bool) -> Result<Self, Error> {
-        let effort = if refine { Effort::Refine } else { Effort::MultiStart };
-        Self::fit_with(data, previous, effort, Prior::LogNormal)
+    fn fit(data: Dataset, previous: Option<&HyperParameters>, turns: Range<usize>) -> Result<Self, Error> {
+        Self::fit_with(data, previous, turns, Prior::LogNormal)
     }
 
     fn posterior(&self, points: &[Vec<f64>]) -> Vec<Posterior> {
@@ -215,15 +214,9 @@ impl Surrogate for FriedrichSurrogate {
         let mut all = vec![[0.0; LANES]; with.blocks.len() * LANES];
         let mut covariances = vec![0.0; with.count];
         self.in_lanes(points, |posteriors, lanes| {
-            for ((first, columns), all) in with.blocks.iter().zip(all.chunks_exact_mut(LANES)) {
-                for (datum, sums) in all.iter_mut().enumerate() {
-                    *sums = [0.0; LANES];
-                    for (column, lanes) in columns.iter().zip(&lanes[*first..]) {
-                        for lane in 0..LANES {
-                            sums[lane] += column[datum] * lanes[lane];
-                        }
-                    }
-                }
+            for (block, (first, columns)) in with.blocks.iter().enumerate() {
+                let count = LANES.min(with.count - block * LANES);
+                all[block * LANES..][..LANES].copy_from_slice(&products(columns, count, &lanes[*first..]));
             }
             for (lane, posterior) in posteriors.iter().enumerate() {
                 covariances.iter_mut().zip(&all).for_each(|(covariance, lanes)| *covariance = lanes[lane]);
@@ -330,16 +323,16 @@ mod tests {
             [data(&[0.1, 0.5, 0.9], &[0.0; 3]), data(&[0.4], &[0.0]), data(&[0.5, 0.5 + 1e-16], &[0.0, 0.0])]
         {
             if data.points.len() == 2 && data.points[0] == data.points[1] {
-                assert!(FriedrichSurrogate::fit(data, None, false).is_err());
+                assert!(FriedrichSurrogate::fit(data, None, 0..0).is_err());
                 continue;
             }
-            let model = FriedrichSurrogate::fit(data, None, false).unwrap();
+            let model = FriedrichSurrogate::fit(data, None, 0..0).unwrap();
             let posterior = model.posterior(&[vec![0.2]])[0];
             assert!(posterior.mean.abs() < 1e-9 && posterior.variance >= 0.0, "{posterior:?}");
         }
         // Numbers that are not finite, duplicates that were not merged, nothing at all.
         for data in [data(&[0.1, 0.2], &[0.0, f64::NAN]), data(&[0.1, 0.1], &[0.0, 1.0]), data(&[], &[])] {
-            assert!(matches!(FriedrichSurrogate::fit(data, None, false), Err(Error::Surrogate(_))));
+            assert!(matches!(FriedrichSurrogate::fit(data, None, 0..0), Err(Error::Surrogate(_))));
         }
         // A noise-free fit to steps of 1e-9: jitter, not a panic.
         let close: Vec<f64> = (0..40).map(|i| 0.5 + 1e-9 * f64::from(i)).collect();
@@ -366,7 +359,7 @@ mod tests {
 
     #[test]
     fn trap_the_fit_is_ours_and_no_clock_stops_it() {
-        let fitted = || FriedrichSurrogate::fit(wave(30), None, false).unwrap();
+        let fitted = || FriedrichSurrogate::fit(wave(30), None, 0..0).unwrap();
         assert_eq!(fitted().hyper_parameters(), fitted().hyper_parameters());
         let at: Vec<Vec<f64>> = (0..50).map(|i| vec![f64::from(i) / 50.0]).collect();
         assert_eq!(fitted().posterior(&at), fitted().posterior(&at));

@@ -6,10 +6,13 @@ mod gaussian_process;
 mod kernel;
 pub(crate) mod likelihood;
 mod standardise;
+mod widest;
 
 pub use gaussian_process::FriedrichSurrogate;
 pub use kernel::HyperParameters;
 pub use standardise::{Outliers, Standardisation};
+
+use std::ops::Range;
 
 use super::Error;
 use dense::Lanes;
@@ -54,11 +57,12 @@ impl Posterior {
 
 /// A probabilistic model of a function on the unit cube. Values are standardised: of order one.
 pub trait Surrogate: Sized {
-    /// Fits the model; `previous` hyper-parameters are one more place to start from, and the only one when `refine`.
+    /// Fits the model, starting from the `previous` hyper-parameters and from those of a few fixed places whose turn it is: these
+    /// numbers modulo how many there are. Without previous ones it is everyone's.
     ///
     /// # Errors
     /// [`Error::Surrogate`] when the data are empty, not finite, of unequal lengths, or cannot be factored.
-    fn fit(data: Dataset, previous: Option<&HyperParameters>, refine: bool) -> Result<Self, Error>;
+    fn fit(data: Dataset, previous: Option<&HyperParameters>, turns: Range<usize>) -> Result<Self, Error>;
 
     /// The belief at each point.
     fn posterior(&self, points: &[Vec<f64>]) -> Vec<Posterior>;
