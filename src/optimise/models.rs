@@ -382,7 +382,7 @@ mod tests {
                 fits.push(count);
             }
         }
-        assert_eq!(fits, [105, 110, 115, 120, 126]);
+        assert_eq!(fits, [105, 110, 115, 121, 127]);
         assert_eq!(remembered.due_again().due(130), Fitting::Starts(0..0));
     }
 

@@ -313,7 +313,9 @@ impl Optimiser {
         let anchors = anchors(models, &self.places());
         let generator = || stream(*seed, id, Purpose::Candidates);
         if acquisition == Acquisition::Feasibility {
-            return Some(maximise(space, &anchors, &mut generator(), |points| models.log_feasibility(points)));
+            return Some(maximise(space, &anchors, &mut generator(), |points| {
+                models.log_feasibility(points)
+            }));
         }
         let objective = models.objective.as_ref()?;
         let search = |score: &dyn Fn(&[Vec<f64>]) -> Vec<f64>| {
@@ -324,12 +326,18 @@ impl Optimiser {
         };
         if acquisition == Acquisition::ExpectedImprovement {
             let lowest = self.lowest_observed(objective.surrogate.data())?;
-            return Some(search(&|points| log_expected_improvement(&objective.surrogate.scan(points), lowest)));
+            return Some(search(&|points| {
+                log_expected_improvement(&objective.surrogate.scan(points), lowest)
+            }));
         }
         let gradient = KnowledgeGradient::new(objective, models, *feasibility)?;
         let within_reach = gradient.within_reach();
         let found = search(&|points| within_reach.log(points));
-        Some(if KnowledgeGradient::is_exact(found.1) { found } else { search(&|points| gradient.log(points)) })
+        Some(if KnowledgeGradient::is_exact(found.1) {
+            found
+        } else {
+            search(&|points| gradient.log(points))
+        })
     }
 
     /// The smallest value on the surrogate's scale observed where no constraint was seen violated; what is only believed of

@@ -14,6 +14,9 @@ const LARGEST_STEP: f64 = 1.5;
 /// A gradient this small (nats per unit of a logarithm) counts as converged.
 const GRADIENT_TOLERANCE: f64 = 1e-2;
 
+/// An ascent that comes so near another one's end in all logarithms, and is no higher, will end there, too.
+const NEAR: f64 = 0.1;
+
 /// The turn of every start.
 pub(crate) const ALL_STARTS: Range<usize> = 0..LENGTH_SCALE_STARTS.len();
 
@@ -129,13 +132,19 @@ impl<'a> Ascent<'a> {
         }
     }
 
-    fn climb(&mut self, iterations: usize) {
-        for _ in 0..iterations {
-            if self.converged {
+    /// Climbs to the top, or until it comes near one of `found` that is as high.
+    fn climb(&mut self, found: &[Ascent<'_>]) {
+        for _ in 0..ITERATIONS {
+            if self.converged || found.iter().any(|other| self.is_below(other)) {
                 break;
             }
             self.step();
         }
+    }
+
+    fn is_below(&self, other: &Ascent<'_>) -> bool {
+        let is_near = self.place.iter().zip(&other.place).all(|(a, b)| (a - b).abs() < NEAR);
+        is_near && self.value <= other.value
     }
 }
 
@@ -169,14 +178,14 @@ pub(crate) fn fit(
         start.extend([0.0, libm::log(0.05)]);
         starts.push(start);
     }
-    let mut best: Option<Ascent<'_>> = None;
+    let mut found: Vec<Ascent<'_>> = Vec::new();
     for start in &starts {
         let Some(mut ascent) = Ascent::new(likelihood, &bounds, start) else { continue };
-        ascent.climb(ITERATIONS);
-        if best.as_ref().is_none_or(|best| ascent.value > best.value) {
-            best = Some(ascent);
-        }
+        ascent.climb(&found);
+        found.push(ascent);
     }
+    // Of equally high ones the first.
+    let best = found.into_iter().reduce(|best, other| if other.value > best.value { other } else { best });
     Some(HyperParameters::from_logarithms(&best?.place))
 }
 
@@ -228,5 +237,13 @@ mod tests {
         let single = value(&fit(&likelihood, Some(&long), 0..0).unwrap());
         let several = value(&fit(&likelihood, Some(&long), ALL_STARTS).unwrap());
         assert!(several > single + 3.0, "{several} {single}");
+        // One start at a time: after as many fits as there are starts, nothing is lost.
+        let mut hyper = long;
+        for turn in 100..100 + LENGTH_SCALE_STARTS.len() {
+            let next = fit(&likelihood, Some(&hyper), turn..turn + 1).unwrap();
+            assert!(value(&next) >= value(&hyper));
+            hyper = next;
+        }
+        assert!(value(&hyper) > several - 0.01, "{} {several}", value(&hyper));
     }
 }

@@ -274,6 +274,7 @@ impl Surrogate for FriedrichSurrogate {
 #[cfg(test)]
 mod tests {
     use nalgebra::DMatrix;
+    use proptest::prelude::*;
 
     use super::*;
 
@@ -395,5 +396,107 @@ mod tests {
             index += 1;
         });
         assert_eq!(index, at.len());
+    }
+
+    /// Data that surrogates have trouble with: near and exact duplicates, no noise, equal values, choices.
+    fn difficult() -> impl Strategy<Value = (Dataset, HyperParameters)> {
+        let coordinate = prop_oneof![0.0..1.0f64, Just(0.5), Just(0.5 + 1e-9), Just(0.5 + 1e-15)];
+        let point = (coordinate, prop_oneof![Just(0.25), Just(0.75)]).prop_map(|(x, kind)| vec![x, kind]);
+        let value = prop_oneof![-3.0..3.0f64, Just(1.0)];
+        let noise = prop_oneof![
+            Just(ONCE),
+            Just(Noise { shared: 0.0, known: 0.0 }),
+            Just(Noise { shared: 0.25, known: 0.1 })
+        ];
+        let data = prop::collection::vec((point, value, noise), 1..40).prop_map(|all| {
+            let mut data =
+                Dataset { points: vec![], values: vec![], noise: vec![], categorical: vec![false, true] };
+            for (point, value, noise) in all {
+                if !data.points.contains(&point) {
+                    data.points.push(point);
+                    data.values.push(value);
+                    data.noise.push(noise);
+                }
+            }
+            data
+        });
+        let hyper = (0.005..100.0f64, 0.005..100.0f64, 1e-3..1e3f64, prop_oneof![Just(1e-6), 1e-6..1.0f64]);
+        let hyper = hyper.prop_map(|(one, other, amplitude, noise)| HyperParameters {
+            length_scales: vec![one, other],
+            amplitude,
+            noise,
+        });
+        (data, hyper)
+    }
+
+    proptest! {
+        #[test]
+        fn a_conditioned_surrogate_believes_what_a_new_one_does((data, hyper) in difficult()) {
+            let first = Dataset {
+                points: data.points[..1].to_vec(),
+                values: data.values[..1].to_vec(),
+                noise: data.noise[..1].to_vec(),
+                categorical: data.categorical.clone(),
+            };
+            let Ok(mut grown) = FriedrichSurrogate::with_hyper_parameters(first, hyper.clone()) else {
+                return Ok(());
+            };
+            for i in 1..data.points.len() {
+                let point = data.points[i].clone();
+                match grown.condition(point, data.values[i], data.noise[i]) {
+                    Ok(next) => grown = next,
+                    Err(_) => {
+                        prop_assert!(FriedrichSurrogate::with_hyper_parameters(data, hyper).is_err());
+                        return Ok(());
+                    }
+                }
+            }
+            let anew = FriedrichSurrogate::with_hyper_parameters(data.clone(), hyper).unwrap();
+            let at = vec![vec![0.3, 0.25], vec![0.5, 0.75], vec![0.5 + 2e-9, 0.25]];
+            prop_assert_eq!(grown.jitter(), anew.jitter());
+            prop_assert_eq!(grown.scan(&at), anew.scan(&at));
+            // A place seen again: its row and those after it are new.
+            let again = data.points.len() / 2;
+            let seen = |model: FriedrichSurrogate| model.condition(data.points[again].clone(), 0.5, ONCE);
+            if let (Ok(grown), Ok(anew)) = (seen(grown), seen(anew)) {
+                let data = grown.data().clone();
+                prop_assert_eq!(grown.scan(&at), anew.scan(&at));
+                let anew = FriedrichSurrogate::with_hyper_parameters(data, grown.hyper.clone()).unwrap();
+                prop_assert_eq!(grown.scan(&at), anew.scan(&at));
+            }
+        }
+
+        #[test]
+        fn candidates_at_once_are_believed_as_one_by_one(
+            (data, hyper) in difficult(),
+            candidates in prop::collection::vec((0.0..=1.0f64, prop_oneof![Just(0.25), Just(0.75)]), 1..20),
+        ) {
+            let Ok(model) = FriedrichSurrogate::with_hyper_parameters(data.clone(), hyper) else { return Ok(()) };
+            let candidates: Vec<Vec<f64>> = candidates.into_iter().map(|(x, kind)| vec![x, kind]).collect();
+            let one_by_one: Vec<Posterior> =
+                candidates.iter().flat_map(|one| model.scan(std::slice::from_ref(one))).collect();
+            prop_assert_eq!(&model.scan(&candidates), &one_by_one);
+            let mut lanes = vec![[0.0; LANES]; data.points.len()];
+            let first = &candidates[..candidates.len().min(LANES)];
+            model.kernel.covariances(&data.points, &ArdMatern52::side_by_side(first), &mut lanes);
+            for (known, lanes) in data.points.iter().zip(&lanes) {
+                for (candidate, covariance) in first.iter().zip(lanes) {
+                    prop_assert_eq!(model.kernel.covariance(known, candidate), *covariance);
+                }
+            }
+            // Covariances with some of the data do not depend on which others are asked for.
+            let all: Vec<usize> = (0..data.points.len()).collect();
+            let some: Vec<usize> = all.iter().copied().filter(|i| i % 3 != 1).collect();
+            let covariances = |with: &[usize]| {
+                let mut found = Vec::new();
+                model.scan_with_covariances(&candidates, &model.covariances_with(with), |_, one| found.push(one.to_vec()));
+                found
+            };
+            for (all, some_of_them) in covariances(&all).iter().zip(covariances(&some)) {
+                for (place, i) in some.iter().enumerate() {
+                    prop_assert!((all[*i] - some_of_them[place]).abs() <= 1e-9 * model.hyper.amplitude);
+                }
+            }
+        }
     }
 }

@@ -83,7 +83,9 @@ impl<'a> Likelihood<'a> {
         let n = data.points.len();
         let of_dimension = |(k, &categorical): (usize, &bool)| {
             let pairs = (0..n).flat_map(|i| (0..i).map(move |j| (i, j)));
-            pairs.map(|(i, j)| squared_difference(data.points[i][k], data.points[j][k], categorical)).collect()
+            pairs
+                .map(|(i, j)| squared_difference(data.points[i][k], data.points[j][k], categorical))
+                .collect()
         };
         let differences = data.categorical.iter().enumerate().map(of_dimension).collect();
         Likelihood { data, prior, differences }
