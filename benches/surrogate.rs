@@ -84,7 +84,7 @@ fn ours(points: &[Vec<f64>], values: &[f64]) -> Option<Believe> {
         noise: vec![Noise { shared: 1.0, known: 0.0 }; values.len()],
         categorical: vec![false; points[0].len()],
     };
-    let surrogate = FriedrichSurrogate::fit(data, None, false).ok()?;
+    let surrogate = FriedrichSurrogate::fit(data, None, 0..0).ok()?;
     Some(Box::new(move |points| surrogate.scan(points)))
 }
 
@@ -210,7 +210,7 @@ fn cost_of_beliefs() {
             categorical: vec![false; 2],
             points,
         };
-        let surrogate = FriedrichSurrogate::fit(data, None, false).expect("the data are sound");
+        let surrogate = FriedrichSurrogate::fit(data, None, 0..0).expect("the data are sound");
         let candidates = trial.points(CANDIDATES, 2);
         // friedrich's process is made at the first question.
         surrogate.posterior(&candidates[..1]);

@@ -12,6 +12,7 @@ pub mod design;
 pub mod distributions;
 pub mod inference;
 pub mod json;
+pub mod lanes;
 pub mod random;
 pub mod rare;
 pub mod summary;

@@ -54,6 +54,14 @@ impl Optimiser {
         ranked.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(trial, _)| trial)
     }
 
+    /// What is believed after all evaluations: for several questions at once, where each of the functions below fits models of its own.
+    ///
+    /// # Errors
+    /// [`Error::Surrogate`] when no model can be fitted.
+    pub fn fitted(&self) -> Result<Fitted<'_>, Error> {
+        Ok(Fitted { optimiser: self, models: self.models()? })
+    }
+
     /// The evaluated point with the best posterior mean among those whose probability of feasibility reaches the definition's.
     ///
     /// `None` when no point reaches it (see [`Optimiser::most_feasible`]), when nothing is defined, or with several objectives.
@@ -61,10 +69,7 @@ impl Optimiser {
     /// # Errors
     /// [`Error::Surrogate`] when no model can be fitted.
     pub fn best_predicted(&self) -> Result<Option<Prediction>, Error> {
-        let sign = self.sign();
-        let likely =
-            self.predictions()?.into_iter().filter(|p| p.feasibility >= self.definition().feasibility);
-        Ok(likely.min_by(|a, b| (sign * a.mean).total_cmp(&(sign * b.mean))))
+        Ok(self.fitted()?.best_predicted())
     }
 
     /// The evaluated point with the highest probability of feasibility.
@@ -80,66 +85,20 @@ impl Optimiser {
     /// # Errors
     /// [`Error::Surrogate`] when no model can be fitted.
     pub fn predictions(&self) -> Result<Vec<Prediction>, Error> {
-        let mut distinct: Vec<&EvaluatedPoint> = Vec::new();
-        for trial in self.trials() {
-            if !distinct.iter().any(|other| other.unit == trial.unit) {
-                distinct.push(trial);
-            }
-        }
-        let places: Vec<Vec<f64>> = distinct.iter().map(|trial| trial.unit.clone()).collect();
-        let Some(models) = self.models()? else { return Ok(Vec::new()) };
-        let beliefs = self.beliefs(&models, &places).into_iter().zip(distinct);
-        let prediction = |(belief, trial): (Belief, &EvaluatedPoint)| Prediction {
-            id: trial.id,
-            point: trial.point.clone(),
-            mean: belief.mean,
-            deviation: 0.5 * (belief.at_plus_one - belief.at_minus_one).abs(),
-            feasibility: belief.feasibility,
-        };
-        Ok(beliefs.map(prediction).collect())
+        Ok(self.fitted()?.predictions())
     }
 
-    /// The surrogate along one dimension, the others held as in `through` (which may be any point in one dimension).
-    ///
-    /// At most `steps` places, both ends included; every value of a discrete dimension with fewer. Empty as for
-    /// [`Optimiser::predictions`].
+    /// The surrogate along one dimension: see [`Fitted::surrogate_slice`].
     ///
     /// # Errors
-    /// [`Error::Surrogate`] when no model can be fitted, [`Error::Dimensions`] for a dimension that does not exist, and the
-    /// errors of a point outside the space.
+    /// [`Error::Surrogate`] when no model can be fitted, and those of [`Fitted::surrogate_slice`].
     pub fn surrogate_slice(
         &self,
         dimension: usize,
         through: &[Coordinate],
         steps: usize,
     ) -> Result<Vec<SlicePoint>, Error> {
-        let Definition { space, .. } = self.definition();
-        let unit = space.unit(through)?;
-        let count = space.dimensions().len();
-        let Some(axis) = space.dimensions().get(dimension) else {
-            return Err(Error::Dimensions(format!(
-                "there is no dimension {dimension}; the space has {count}"
-            )));
-        };
-        let last = steps.max(2) - 1;
-        let mut places: Vec<Vec<f64>> = (0..=last)
-            .map(|step| {
-                let mut place = unit.clone();
-                place[dimension] = axis.snap(step as f64 / last as f64);
-                place
-            })
-            .collect();
-        places.dedup();
-        let Some(models) = self.models()? else { return Ok(Vec::new()) };
-        let beliefs = self.beliefs(&models, &places).into_iter().zip(&places);
-        let point = |(belief, place): (Belief, &Vec<f64>)| SlicePoint {
-            value: axis.value(place[dimension]),
-            mean: belief.mean,
-            lower: belief.at_lower.min(belief.at_upper),
-            upper: belief.at_lower.max(belief.at_upper),
-            feasibility: belief.feasibility,
-        };
-        Ok(beliefs.map(point).collect())
+        self.fitted()?.surrogate_slice(dimension, through, steps)
     }
 
     /// The feasible trials that no other feasible one beats in every objective, by observed values, in order of id.
@@ -162,12 +121,88 @@ impl Optimiser {
         let models = self.fit(&mut self.remembered().due_again(), None)?;
         Ok(models.objective.is_some().then_some(models))
     }
+}
 
-    fn beliefs(&self, models: &Models, places: &[Vec<f64>]) -> Vec<Belief> {
+/// What is believed after all evaluations of an optimiser.
+pub struct Fitted<'a> {
+    optimiser: &'a Optimiser,
+    /// `None` when no objective value is defined or with several objectives.
+    models: Option<Models>,
+}
+
+impl Fitted<'_> {
+    /// See [`Optimiser::best_predicted`].
+    pub fn best_predicted(&self) -> Option<Prediction> {
+        let (sign, least) = (self.optimiser.sign(), self.optimiser.definition().feasibility);
+        let likely = self.predictions().into_iter().filter(|p| p.feasibility >= least);
+        likely.min_by(|a, b| (sign * a.mean).total_cmp(&(sign * b.mean)))
+    }
+
+    /// See [`Optimiser::predictions`].
+    pub fn predictions(&self) -> Vec<Prediction> {
+        let mut distinct: Vec<&EvaluatedPoint> = Vec::new();
+        for trial in self.optimiser.trials() {
+            if !distinct.iter().any(|other| other.unit == trial.unit) {
+                distinct.push(trial);
+            }
+        }
+        let places: Vec<Vec<f64>> = distinct.iter().map(|trial| trial.unit.clone()).collect();
+        let prediction = |(belief, trial): (Belief, &EvaluatedPoint)| Prediction {
+            id: trial.id,
+            point: trial.point.clone(),
+            mean: belief.mean,
+            deviation: 0.5 * (belief.at_plus_one - belief.at_minus_one).abs(),
+            feasibility: belief.feasibility,
+        };
+        self.beliefs(&places).into_iter().zip(distinct).map(prediction).collect()
+    }
+
+    /// The surrogate along one dimension, the others held as in `through` (which may be any point in one dimension).
+    ///
+    /// At most `steps` places, both ends included; every value of a discrete dimension with fewer. Empty as for
+    /// [`Optimiser::predictions`].
+    ///
+    /// # Errors
+    /// [`Error::Dimensions`] for a dimension that does not exist, and the errors of a point outside the space.
+    pub fn surrogate_slice(
+        &self,
+        dimension: usize,
+        through: &[Coordinate],
+        steps: usize,
+    ) -> Result<Vec<SlicePoint>, Error> {
+        let Definition { space, .. } = self.optimiser.definition();
+        let unit = space.unit(through)?;
+        let count = space.dimensions().len();
+        let Some(axis) = space.dimensions().get(dimension) else {
+            return Err(Error::Dimensions(format!(
+                "there is no dimension {dimension}; the space has {count}"
+            )));
+        };
+        let last = steps.max(2) - 1;
+        let mut places: Vec<Vec<f64>> = (0..=last)
+            .map(|step| {
+                let mut place = unit.clone();
+                place[dimension] = axis.snap(step as f64 / last as f64);
+                place
+            })
+            .collect();
+        places.dedup();
+        let point = |(belief, place): (Belief, &Vec<f64>)| SlicePoint {
+            value: axis.value(place[dimension]),
+            mean: belief.mean,
+            lower: belief.at_lower.min(belief.at_upper),
+            upper: belief.at_lower.max(belief.at_upper),
+            feasibility: belief.feasibility,
+        };
+        Ok(self.beliefs(&places).into_iter().zip(&places).map(point).collect())
+    }
+
+    fn beliefs(&self, places: &[Vec<f64>]) -> Vec<Belief> {
+        let Some(models) = &self.models else { return Vec::new() };
         let Some(objective) = &models.objective else { return Vec::new() };
-        let posteriors = objective.surrogate.posterior(places);
+        let (posteriors, sign) = (objective.surrogate.posterior(places), self.optimiser.sign());
         let both = posteriors.into_iter().zip(models.log_feasibility(places));
-        both.map(|(posterior, log)| Belief::of(objective, posterior, self.sign(), libm::exp(log))).collect()
+        both.map(|(posterior, log)| Belief::of(objective, posterior, sign, libm::exp(log))).collect()
     }
 }
 

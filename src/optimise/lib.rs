@@ -46,7 +46,7 @@ mod tests;
 pub use acquisition::Acquisition;
 pub use definition::{Definition, Goal, ImprovementStop, InitialDesign, Method};
 pub use error::Error;
-pub use findings::{Prediction, SlicePoint};
+pub use findings::{Fitted, Prediction, SlicePoint};
 pub use history::{EvaluatedPoint, Evaluation, Margin, ObjectiveValue};
 pub use journal::{Journal, run};
 pub use optimiser::{OptimisationEnd, Optimiser, Proposal, ProposalOrigin};

@@ -35,29 +35,39 @@ pub(super) fn maximise(
         None => cloud(space, anchors, generator),
     };
     let scores = score(&candidates);
-    let mut order: Vec<usize> = (0..candidates.len()).filter(|&i| !scores[i].is_nan()).collect();
-    order.sort_by(|&a, &b| scores[b].total_cmp(&scores[a]).then(a.cmp(&b)));
-    let Some(&best) = order.first() else { return (candidates[0].clone(), f64::NEG_INFINITY) };
+    let Some(best) = highest(&scores, |_| true) else {
+        return (candidates[0].clone(), f64::NEG_INFINITY);
+    };
     if enumerable.is_some() {
         return (candidates[best].clone(), scores[best]);
     }
     // Starts apart from each other, so that they do not all climb the same hill.
     let step = if space.dimensions().len() == 1 { 1.0 / LINE_CANDIDATES as f64 } else { 0.1 };
-    let mut starts: Vec<(Vec<f64>, f64)> = Vec::new();
-    for i in order {
-        let apart = |other: &(Vec<f64>, f64)| {
-            candidates[i].iter().zip(&other.0).any(|(a, b)| (a - b).abs() > 1.5 * step)
+    let mut starts = vec![(candidates[best].clone(), scores[best])];
+    while starts.len() < STARTS {
+        let is_apart = |i: usize| {
+            let differ =
+                |place: &[f64]| candidates[i].iter().zip(place).any(|(a, b)| (a - b).abs() > 1.5 * step);
+            starts.iter().all(|(place, _)| differ(place))
         };
-        if starts.iter().all(apart) {
-            starts.push((candidates[i].clone(), scores[i]));
-        }
-        if starts.len() == STARTS {
-            break;
-        }
+        let Some(next) = highest(&scores, is_apart) else { break };
+        starts.push((candidates[next].clone(), scores[next]));
     }
     pattern_search(space, &mut starts, step, score);
     let better = |a: &(Vec<f64>, f64), b: &(Vec<f64>, f64)| b.1 > a.1;
     starts.into_iter().reduce(|a, b| if better(&a, &b) { b } else { a }).expect("there is a start")
+}
+
+/// The first of the highest scores that are numbers and of which this holds.
+fn highest(scores: &[f64], holds: impl Fn(usize) -> bool) -> Option<usize> {
+    let mut best: Option<usize> = None;
+    for (i, score) in scores.iter().enumerate() {
+        let is_higher = best.is_none_or(|best| *score > scores[best]);
+        if is_higher && !score.is_nan() && holds(i) {
+            best = Some(i);
+        }
+    }
+    best
 }
 
 fn every_point(space: &Space, size: usize) -> Vec<Vec<f64>> {
@@ -145,6 +155,15 @@ mod tests {
         let anchors = [vec![0.5; space.dimensions().len()]];
         let mut generator = stream(5, 0, Purpose::Candidates);
         maximise(space, &anchors, &mut generator, |points| points.iter().map(|p| score(p)).collect()).0
+    }
+
+    #[test]
+    fn the_highest_is_the_first_of_equal_ones_and_a_number() {
+        let scores = [f64::NAN, f64::NEG_INFINITY, 2.0, f64::NAN, 3.0, 3.0];
+        assert_eq!(highest(&scores, |_| true), Some(4));
+        assert_eq!(highest(&scores, |i| i < 4), Some(2));
+        assert_eq!(highest(&scores, |i| i == 1), Some(1));
+        assert_eq!(highest(&scores, |i| i == 3), None);
     }
 
     #[test]

@@ -1,5 +1,7 @@
 //! The surrogates of one run: one for the objective, one for each constraint margin, and one for being defined at all.
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 use super::Error;
@@ -14,7 +16,7 @@ use numbers::distributions::{normal, normal_tail::log_cumulative};
 /// The surrogate in use; the one place that names it.
 pub(super) type Engine = FriedrichSurrogate;
 
-/// Up to this many evaluations every model is fitted anew, from all starts, at every ask.
+/// Up to this many evaluations every model is fitted whenever one is told.
 const FULL_FIT_LIMIT: usize = 100;
 
 /// A surrogate and the scale of what it models.
@@ -39,26 +41,28 @@ pub(super) struct Remembered {
     pub hyper: Vec<Option<HyperParameters>>,
     /// Number of evaluations at the last fit.
     pub fitted_at: usize,
-    /// Number of evaluations at the last fit from all starts.
-    pub searched_at: usize,
 }
 
-#[derive(Clone, Copy, PartialEq)]
+/// How hyper-parameters are found.
+#[derive(Debug, Clone, PartialEq)]
 enum Fitting {
-    MultiStart,
-    Refine,
+    /// From the previous ones and from starts whose turn it is.
+    Starts(Range<usize>),
+    /// They are the previous ones.
     Reuse,
 }
 
 impl Remembered {
-    /// What is due after `count` evaluations. Up to a hundred: all starts whenever a twentieth has come on top, else a
-    /// refinement. From there on: a refinement whenever a twentieth has come on top.
+    /// What is due after `count` evaluations. Up to a hundred: a fit from the previous optimum and, for each evaluation that has come on
+    /// top, from the start whose turn it is. From there on: from the previous optimum, whenever a twentieth has come on top. The same
+    /// models again where nothing was told since.
     fn due(&self, count: usize) -> Fitting {
-        if count <= FULL_FIT_LIMIT {
-            let is_due = count >= self.searched_at + self.searched_at / 20;
-            if is_due { Fitting::MultiStart } else { Fitting::Refine }
+        if count == self.fitted_at {
+            Fitting::Reuse
+        } else if count <= FULL_FIT_LIMIT {
+            Fitting::Starts(self.fitted_at..count)
         } else if count >= self.fitted_at + (count / 20).max(1) {
-            Fitting::Refine
+            Fitting::Starts(0..0)
         } else {
             Fitting::Reuse
         }
@@ -66,7 +70,7 @@ impl Remembered {
 
     /// The same optima to start from, but the next fit is as thorough as fits of so much data ever are.
     pub fn due_again(self) -> Self {
-        Remembered { fitted_at: 0, searched_at: 0, ..self }
+        Remembered { fitted_at: 0, ..self }
     }
 
     fn get(&self, slot: usize) -> Option<&HyperParameters> {
@@ -87,14 +91,15 @@ impl Scaled {
         categorical: &[bool],
         outliers: Outliers,
         previous: Option<&HyperParameters>,
-        fitting: Fitting,
+        fitting: &Fitting,
     ) -> Result<Self, Error> {
         let values: Vec<f64> = data.iter().map(|datum| datum.value).collect();
         let map = Standardisation::of(&values, outliers);
         let dataset = dataset(data, categorical, map);
         let surrogate = match (fitting, previous) {
             (Fitting::Reuse, Some(hyper)) => Engine::with_hyper_parameters(dataset, hyper.clone())?,
-            _ => Engine::fit(dataset, previous, fitting != Fitting::MultiStart)?,
+            (Fitting::Reuse, None) => Engine::fit(dataset, None, 0..0)?,
+            (Fitting::Starts(turns), previous) => Engine::fit(dataset, previous, turns.clone())?,
         };
         Ok(Scaled { surrogate, map, zero: map.apply(0.0) })
     }
@@ -145,12 +150,18 @@ impl Models {
         objective: impl Fn(&EvaluatedPoint) -> Option<(f64, Option<f64>)>,
         remembered: &mut Remembered,
     ) -> Result<Self, Error> {
-        let fitting = remembered.due(trials.len());
+        let fitting = match remembered.due(trials.len()) {
+            // Each proposal combines several objectives otherwise.
+            Fitting::Reuse if definition.objectives.len() > 1 && trials.len() <= FULL_FIT_LIMIT => {
+                Fitting::Starts(0..0)
+            }
+            fitting => fitting,
+        };
         let categorical = categories(definition);
         let defined =
             merged(trials.iter().filter_map(|t| objective(t).map(|(value, variance)| (t, value, variance))));
         let mut fit = |slot: usize, data: &[Datum], outliers: Outliers| {
-            let scaled = Scaled::fit(data, &categorical, outliers, remembered.get(slot), fitting)?;
+            let scaled = Scaled::fit(data, &categorical, outliers, remembered.get(slot), &fitting)?;
             remembered.set(slot, scaled.surrogate.hyper_parameters().clone());
             Ok::<_, Error>(scaled)
         };
@@ -172,9 +183,6 @@ impl Models {
             let definedness =
                 merged(trials.iter().map(|t| (t, if t.is_undefined() { -1.0 } else { 1.0 }, None)));
             constraints.push(fit(1 + definition.constraints, &definedness, Outliers::Keep)?);
-        }
-        if fitting == Fitting::MultiStart {
-            remembered.searched_at = trials.len();
         }
         if fitting != Fitting::Reuse {
             remembered.fitted_at = trials.len();
@@ -358,24 +366,24 @@ mod tests {
     }
 
     #[test]
-    fn every_start_is_tried_again_when_a_twentieth_has_come_on_top() {
+    fn each_evaluation_gives_one_start_its_turn_up_to_a_hundred() {
         let mut remembered = Remembered::default();
-        let mut searches = Vec::new();
-        for count in 1..=130 {
-            match remembered.due(count) {
-                Fitting::MultiStart => {
-                    (remembered.fitted_at, remembered.searched_at) = (count, count);
-                    searches.push(count);
-                }
-                Fitting::Refine => remembered.fitted_at = count,
-                Fitting::Reuse => assert!(count > FULL_FIT_LIMIT),
+        assert_eq!(remembered.due(15), Fitting::Starts(0..15));
+        remembered.fitted_at = 15;
+        assert_eq!(remembered.due(15), Fitting::Reuse);
+        assert_eq!(remembered.due(16), Fitting::Starts(15..16));
+        assert_eq!(remembered.due(24), Fitting::Starts(15..24));
+        assert_eq!(remembered.clone().due_again().due(60), Fitting::Starts(0..60));
+        remembered.fitted_at = 100;
+        let mut fits = Vec::new();
+        for count in 101..=130 {
+            if remembered.due(count) == Fitting::Starts(0..0) {
+                remembered.fitted_at = count;
+                fits.push(count);
             }
         }
-        assert_eq!(searches[..40], (1..=40).collect::<Vec<_>>());
-        assert!(searches.windows(2).all(|pair| pair[1] - pair[0] <= (pair[0] / 20).max(1)), "{searches:?}");
-        assert!(searches.contains(&60) && !searches.contains(&61) && *searches.last().unwrap() <= 100);
-        assert!(remembered.clone().due_again().due(60) == Fitting::MultiStart);
-        assert!(remembered.due_again().due(130) == Fitting::Refine);
+        assert_eq!(fits, [105, 110, 115, 121, 127]);
+        assert_eq!(remembered.due_again().due(130), Fitting::Starts(0..0));
     }
 
     #[test]

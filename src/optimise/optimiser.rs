@@ -310,24 +310,33 @@ impl Optimiser {
     /// The point that the acquisition likes best, and the logarithm of what it promises there.
     fn best_point(&self, id: u64, acquisition: Acquisition, models: &Models) -> Option<(Vec<f64>, f64)> {
         let Definition { space, seed, feasibility, .. } = &self.definition;
-        let mut generator = stream(*seed, id, Purpose::Candidates);
         let anchors = anchors(models, &self.places());
+        let generator = || stream(*seed, id, Purpose::Candidates);
         if acquisition == Acquisition::Feasibility {
-            return Some(maximise(space, &anchors, &mut generator, |points| models.log_feasibility(points)));
+            return Some(maximise(space, &anchors, &mut generator(), |points| {
+                models.log_feasibility(points)
+            }));
         }
         let objective = models.objective.as_ref()?;
-        let mut search = |score: &dyn Fn(&[Vec<f64>]) -> Vec<f64>| {
-            maximise(space, &anchors, &mut generator, |points| {
+        let search = |score: &dyn Fn(&[Vec<f64>]) -> Vec<f64>| {
+            maximise(space, &anchors, &mut generator(), |points| {
                 let certifiability = models.log_certifiability(points, *feasibility);
                 score(points).iter().zip(certifiability).map(|(score, log)| score + log).collect()
             })
         };
-        Some(if acquisition == Acquisition::KnowledgeGradient {
-            let gradient = KnowledgeGradient::new(objective, models, *feasibility);
-            search(&|points| gradient.log(points))
-        } else {
+        if acquisition == Acquisition::ExpectedImprovement {
             let lowest = self.lowest_observed(objective.surrogate.data())?;
-            search(&|points| log_expected_improvement(&objective.surrogate.scan(points), lowest))
+            return Some(search(&|points| {
+                log_expected_improvement(&objective.surrogate.scan(points), lowest)
+            }));
+        }
+        let gradient = KnowledgeGradient::new(objective, models, *feasibility)?;
+        let within_reach = gradient.within_reach();
+        let found = search(&|points| within_reach.log(points));
+        Some(if KnowledgeGradient::is_exact(found.1) {
+            found
+        } else {
+            search(&|points| gradient.log(points))
         })
     }
 

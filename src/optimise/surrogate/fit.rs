@@ -1,5 +1,7 @@
 //! Hyper-parameters by maximising the exact posterior density from several starts, with bounded iterations: no clock, no chance.
 
+use std::ops::Range;
+
 use super::kernel::HyperParameters;
 use super::likelihood::{Evaluation, Likelihood};
 
@@ -12,14 +14,11 @@ const LARGEST_STEP: f64 = 1.5;
 /// A gradient this small (nats per unit of a logarithm) counts as converged.
 const GRADIENT_TOLERANCE: f64 = 1e-2;
 
-/// How thoroughly to look.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Effort {
-    /// All starts, and the previous optimum when there is one.
-    MultiStart,
-    /// From the previous optimum alone, a few iterations.
-    Refine,
-}
+/// An ascent that comes so near another one's end in all logarithms, and is no higher, will end there, too.
+const NEAR: f64 = 0.1;
+
+/// The turn of every start.
+pub(crate) const ALL_STARTS: Range<usize> = 0..LENGTH_SCALE_STARTS.len();
 
 /// A quasi-Newton ascent (BFGS with backtracking inside box bounds), one iteration at a time.
 struct Ascent<'a> {
@@ -133,13 +132,19 @@ impl<'a> Ascent<'a> {
         }
     }
 
-    fn climb(&mut self, iterations: usize) {
-        for _ in 0..iterations {
-            if self.converged {
+    /// Climbs to the top, or until it comes near one of `found` that is as high.
+    fn climb(&mut self, found: &[Ascent<'_>]) {
+        for _ in 0..ITERATIONS {
+            if self.converged || found.iter().any(|other| self.is_below(other)) {
                 break;
             }
             self.step();
         }
+    }
+
+    fn is_below(&self, other: &Ascent<'_>) -> bool {
+        let is_near = self.place.iter().zip(&other.place).all(|(a, b)| (a - b).abs() < NEAR);
+        is_near && self.value <= other.value
     }
 }
 
@@ -154,33 +159,33 @@ fn clamped(place: &[f64], bounds: &[(f64, f64)]) -> Vec<f64> {
     place.iter().zip(bounds).map(|(x, (low, high))| x.clamp(*low, *high)).collect()
 }
 
-/// The hyper-parameters of highest posterior density found; `None` when no start gives a positive definite covariance.
+/// The hyper-parameters of highest posterior density found from the previous ones and the starts whose turn it is, or else from all;
+/// `None` when no start gives a positive definite covariance.
 pub(crate) fn fit(
     likelihood: &Likelihood<'_>,
     previous: Option<&HyperParameters>,
-    effort: Effort,
+    turns: Range<usize>,
 ) -> Option<HyperParameters> {
     let bounds = likelihood.bounds();
     let d = likelihood.parameters() - 2;
-    let mut starts = Vec::new();
-    if let Some(previous) = previous.filter(|previous| previous.length_scales.len() == d) {
-        starts.push(previous.to_logarithms());
+    let previous = previous.filter(|previous| previous.length_scales.len() == d);
+    let mut starts: Vec<Vec<f64>> = previous.map(HyperParameters::to_logarithms).into_iter().collect();
+    let turns = if previous.is_none() { ALL_STARTS } else { turns };
+    let count = LENGTH_SCALE_STARTS.len();
+    let is_turn = |start: usize| turns.len() >= count || turns.clone().any(|turn| turn % count == start);
+    for (_, scale) in LENGTH_SCALE_STARTS.iter().enumerate().filter(|(start, _)| is_turn(*start)) {
+        let mut start = vec![libm::log(scale * (d as f64).sqrt()); d];
+        start.extend([0.0, libm::log(0.05)]);
+        starts.push(start);
     }
-    if effort == Effort::MultiStart || starts.is_empty() {
-        for scale in LENGTH_SCALE_STARTS {
-            let mut start = vec![libm::log(scale * (d as f64).sqrt()); d];
-            start.extend([0.0, libm::log(0.05)]);
-            starts.push(start);
-        }
-    }
-    let mut best: Option<Ascent<'_>> = None;
+    let mut found: Vec<Ascent<'_>> = Vec::new();
     for start in &starts {
         let Some(mut ascent) = Ascent::new(likelihood, &bounds, start) else { continue };
-        ascent.climb(ITERATIONS);
-        if best.as_ref().is_none_or(|best| ascent.value > best.value) {
-            best = Some(ascent);
-        }
+        ascent.climb(&found);
+        found.push(ascent);
     }
+    // Of equally high ones the first.
+    let best = found.into_iter().reduce(|best, other| if other.value > best.value { other } else { best });
     Some(HyperParameters::from_logarithms(&best?.place))
 }
 
@@ -205,10 +210,10 @@ mod tests {
     fn finds_the_scales_and_the_noise_and_repeats_to_the_bit() {
         let data = data(60);
         let likelihood = Likelihood::new(&data, Prior::LogNormal);
-        let found = fit(&likelihood, None, Effort::MultiStart).unwrap();
+        let found = fit(&likelihood, None, ALL_STARTS).unwrap();
         assert!(found.length_scales[1] > 4.0 * found.length_scales[0], "{found:?}");
         assert!((0.005..0.02).contains(&found.noise), "{found:?}");
-        assert_eq!(Some(&found), fit(&likelihood, None, Effort::MultiStart).as_ref());
+        assert_eq!(Some(&found), fit(&likelihood, None, ALL_STARTS).as_ref());
         // The gradient vanishes there.
         let place = found.to_logarithms();
         let gradient = likelihood.gradient(&likelihood.evaluate(&place).unwrap(), &place);
@@ -229,8 +234,16 @@ mod tests {
         let likelihood = Likelihood::new(&data, Prior::LogNormal);
         let long = HyperParameters { length_scales: vec![3.0], amplitude: 0.05, noise: 0.5 };
         let value = |hyper: &HyperParameters| likelihood.evaluate(&hyper.to_logarithms()).unwrap().value;
-        let single = value(&fit(&likelihood, Some(&long), Effort::Refine).unwrap());
-        let several = value(&fit(&likelihood, Some(&long), Effort::MultiStart).unwrap());
+        let single = value(&fit(&likelihood, Some(&long), 0..0).unwrap());
+        let several = value(&fit(&likelihood, Some(&long), ALL_STARTS).unwrap());
         assert!(several > single + 3.0, "{several} {single}");
+        // One start at a time: after as many fits as there are starts, nothing is lost.
+        let mut hyper = long;
+        for turn in 100..100 + LENGTH_SCALE_STARTS.len() {
+            let next = fit(&likelihood, Some(&hyper), turn..turn + 1).unwrap();
+            assert!(value(&next) >= value(&hyper));
+            hyper = next;
+        }
+        assert!(value(&hyper) > several - 0.01, "{} {several}", value(&hyper));
     }
 }

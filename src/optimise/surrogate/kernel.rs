@@ -9,7 +9,11 @@ use friedrich::kernel::Kernel;
 use friedrich::{SRowVector, SVector};
 use nalgebra::storage::Storage;
 use nalgebra::{DMatrix, Dyn, U1};
+use numbers::lanes::exp;
 use serde::{Deserialize, Serialize};
+
+use super::dense::{LANES, Lanes};
+use super::widest::widest;
 
 /// Hyper-parameters of the surrogate for standardised outputs and unit inputs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -55,11 +59,51 @@ pub(super) struct ArdMatern52 {
 /// The kernel's value and −∂k/∂(r²)·2 for amplitude 1, from r².
 ///
 /// The second is (5/3)(1 + √5 r) exp(−√5 r): multiplied by δ²/l² it is the derivative by the logarithm of a length scale.
-#[inline]
-pub(super) fn matern52(squared: f64) -> (f64, f64) {
+#[inline(always)]
+fn matern52(squared: f64) -> (f64, f64) {
     let s = (5.0 * squared).sqrt();
-    let decay = libm::exp(-s);
-    ((1.0 + s + s * s / 3.0) * decay, 5.0 / 3.0 * (1.0 + s) * decay)
+    // What is farther away has no covariance: 1e-304 of the amplitude.
+    let decay = exp((-s).max(-700.0));
+    ((1.0 + s + s * s * (1.0 / 3.0)) * decay, 5.0 / 3.0 * (1.0 + s) * decay)
+}
+
+widest! {
+    /// Puts the kernel of each r² in its place, and its slope in `slopes`: see [`matern52`].
+    pub(super) fn matern52_in_place(squares: &mut [f64], slopes: &mut [f64]) {
+        let (mut squares, mut slopes) = (squares.chunks_exact_mut(LANES), slopes.chunks_exact_mut(LANES));
+        for (squares, slopes) in (&mut squares).zip(&mut slopes) {
+            for lane in 0..LANES {
+                (squares[lane], slopes[lane]) = matern52(squares[lane]);
+            }
+        }
+        for (square, slope) in squares.into_remainder().iter_mut().zip(slopes.into_remainder()) {
+            (*square, *slope) = matern52(*square);
+        }
+    }
+}
+
+widest! {
+    fn covariances(kernel: &ArdMatern52, points: &[Vec<f64>], places: &[Lanes], into: &mut [Lanes]) {
+        let amplitude = kernel.amplitude.abs();
+        for (point, into) in points.iter().zip(into) {
+            let mut squares = [0.0; LANES];
+            for (i, places) in places.iter().enumerate() {
+                let (own, inverse_square) = (point[i], kernel.inverse_squares[i]);
+                if kernel.categorical[i] {
+                    for lane in 0..LANES {
+                        squares[lane] += inverse_square * squared_difference(own, places[lane], true);
+                    }
+                } else {
+                    for lane in 0..LANES {
+                        squares[lane] += inverse_square * squared_difference(own, places[lane], false);
+                    }
+                }
+            }
+            for lane in 0..LANES {
+                into[lane] = amplitude * matern52(squares[lane]).0;
+            }
+        }
+    }
 }
 
 impl ArdMatern52 {
@@ -84,6 +128,17 @@ impl ArdMatern52 {
         self.amplitude.abs() * matern52(squared).0
     }
 
+    /// The prior covariances of each of `points` with [`LANES`] places, whose coordinates lie side by side: the same bits as one by one.
+    pub fn covariances(&self, points: &[Vec<f64>], places: &[Lanes], into: &mut [Lanes]) {
+        covariances(self, points, places, into);
+    }
+
+    /// Coordinates of up to [`LANES`] points, side by side; the first one's take the places that are left.
+    pub fn side_by_side(points: &[Vec<f64>]) -> Vec<Lanes> {
+        let lane_of = |lane: usize| if lane < points.len() { lane } else { 0 };
+        (0..points[0].len()).map(|i| std::array::from_fn(|lane| points[lane_of(lane)][i])).collect()
+    }
+
     /// Rows for friedrich: coordinates, noise variance, identifier (from 1).
     pub fn training_rows(points: &[Vec<f64>], noise: impl Fn(usize) -> f64) -> DMatrix<f64> {
         let d = points.first().map_or(0, Vec::len);
@@ -106,7 +161,7 @@ impl ArdMatern52 {
 }
 
 /// Squared difference of two coordinates: 0 or 1 between choices.
-#[inline]
+#[inline(always)]
 pub(super) fn squared_difference(a: f64, b: f64, categorical: bool) -> f64 {
     if categorical { f64::from(a != b) } else { (a - b) * (a - b) }
 }

@@ -5,7 +5,7 @@
 
 use super::Dataset;
 use super::dense::{Factor, dot};
-use super::kernel::{HyperParameters, matern52, squared_difference};
+use super::kernel::{HyperParameters, matern52_in_place, squared_difference};
 
 /// What holds hyper-parameters in place besides the data.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,8 +61,8 @@ impl Prior {
 pub(crate) struct Likelihood<'a> {
     data: &'a Dataset,
     prior: Prior,
-    /// Squared differences of each pair i > j, all dimensions of a pair together.
-    differences: Vec<f64>,
+    /// Of each dimension the squared differences of all pairs i > j.
+    differences: Vec<Vec<f64>>,
 }
 
 /// The likelihood at one place, with what the gradient needs.
@@ -72,23 +72,22 @@ pub(crate) struct Evaluation {
     hyper: HyperParameters,
     factor: Factor,
     weights: Vec<f64>,
-    /// Kernel and slope of each pair i > j, for amplitude 1.
-    pairs: Vec<(f64, f64)>,
+    /// Of each pair i > j, for amplitude 1.
+    kernels: Vec<f64>,
+    slopes: Vec<f64>,
 }
 
 impl<'a> Likelihood<'a> {
     /// Prepares the pairwise differences of `data`.
     pub fn new(data: &'a Dataset, prior: Prior) -> Self {
         let n = data.points.len();
-        let mut differences = Vec::with_capacity(n * n / 2 * data.categorical.len());
-        for i in 0..n {
-            for j in 0..i {
-                let (a, b) = (&data.points[i], &data.points[j]);
-                let kinds = data.categorical.iter().enumerate();
-                differences
-                    .extend(kinds.map(|(k, &categorical)| squared_difference(a[k], b[k], categorical)));
-            }
-        }
+        let of_dimension = |(k, &categorical): (usize, &bool)| {
+            let pairs = (0..n).flat_map(|i| (0..i).map(move |j| (i, j)));
+            pairs
+                .map(|(i, j)| squared_difference(data.points[i][k], data.points[j][k], categorical))
+                .collect()
+        };
+        let differences = data.categorical.iter().enumerate().map(of_dimension).collect();
         Likelihood { data, prior, differences }
     }
 
@@ -104,22 +103,24 @@ impl<'a> Likelihood<'a> {
 
     /// The likelihood; `None` where the covariance is not positive definite to working precision.
     pub fn evaluate(&self, logarithms: &[f64]) -> Option<Evaluation> {
-        let (n, d) = (self.data.points.len(), self.data.categorical.len());
+        let n = self.data.points.len();
         let hyper = HyperParameters::from_logarithms(logarithms);
-        let inverse_squares: Vec<f64> = hyper.length_scales.iter().map(|l| 1.0 / (l * l)).collect();
-        let pairs: Vec<(f64, f64)> = match inverse_squares[..] {
-            [inverse_square] => self.differences.iter().map(|x| matern52(x * inverse_square)).collect(),
-            _ => self.differences.chunks_exact(d).map(|pair| matern52(dot(pair, &inverse_squares))).collect(),
-        };
-        let mut rows = vec![0.0; n * n];
-        let mut next = pairs.iter();
-        for i in 0..n {
-            for (entry, (kernel, _)) in rows[i * n..i * n + i].iter_mut().zip(&mut next) {
-                *entry = hyper.amplitude * kernel;
-            }
-            rows[i * n + i] = hyper.amplitude + self.data.noise_variance(i, hyper.noise);
+        let mut kernels = vec![0.0; n * (n - 1) / 2];
+        for (differences, l) in self.differences.iter().zip(&hyper.length_scales) {
+            let inverse_square = 1.0 / (l * l);
+            kernels.iter_mut().zip(differences).for_each(|(sum, x)| *sum += inverse_square * x);
         }
-        let factor = Factor::new(n, rows)?;
+        let mut slopes = vec![0.0; kernels.len()];
+        matern52_in_place(&mut kernels, &mut slopes);
+        let mut triangle = Vec::with_capacity(n * (n + 1) / 2);
+        let mut rest = kernels.as_slice();
+        for i in 0..n {
+            let (row, after) = rest.split_at(i);
+            triangle.extend(row.iter().map(|kernel| hyper.amplitude * kernel));
+            triangle.push(hyper.amplitude + self.data.noise_variance(i, hyper.noise));
+            rest = after;
+        }
+        let factor = Factor::new(triangle)?;
         let mut weights = self.data.values.clone();
         factor.solve_lower(&mut weights);
         let misfit = dot(&weights, &weights);
@@ -127,35 +128,31 @@ impl<'a> Likelihood<'a> {
         let constant = n as f64 * libm::log(2.0 * std::f64::consts::PI);
         let likelihood = -0.5 * (misfit + factor.log_determinant() + constant);
         let value = likelihood + self.prior.log_density(logarithms, None);
-        value.is_finite().then_some(Evaluation { value, hyper, factor, weights, pairs })
+        value.is_finite().then_some(Evaluation { value, hyper, factor, weights, kernels, slopes })
     }
 
     /// Gradient of [`Evaluation::value`] by the logarithms: ½ tr((α αᵀ − K⁻¹) ∂K/∂θ) plus the prior's.
     pub fn gradient(&self, at: &Evaluation, logarithms: &[f64]) -> Vec<f64> {
-        let (n, d) = (self.data.points.len(), self.data.categorical.len());
         let inverse = at.factor.inverse();
-        let mut gradient = vec![0.0; d + 2];
         let (mut amplitude, mut noise) = (0.0, 0.0);
-        let mut pair = 0;
-        for i in 0..n {
-            for j in 0..i {
-                let weight = at.weights[i] * at.weights[j] - inverse[i * n + j];
-                let (kernel, slope) = at.pairs[pair];
-                amplitude += weight * kernel;
-                let weighted = weight * slope;
-                let differences = &self.differences[pair * d..(pair + 1) * d];
-                gradient.iter_mut().zip(differences).for_each(|(slope, x)| *slope += weighted * x);
-                pair += 1;
-            }
-            let weight = at.weights[i] * at.weights[i] - inverse[i * n + i];
-            amplitude += 0.5 * weight;
-            noise += 0.5 * weight * self.data.noise[i].shared;
+        // Of each pair i > j, whose share counts twice.
+        let mut weighted = Vec::with_capacity(at.kernels.len());
+        let mut rest = inverse.as_slice();
+        for (i, own) in at.weights.iter().enumerate() {
+            let (row, after) = rest.split_at(i + 1);
+            weighted.extend(row[..i].iter().zip(&at.weights).map(|(inverse, other)| own * other - inverse));
+            let on_diagonal = 0.5 * (own * own - row[i]);
+            amplitude += on_diagonal;
+            noise += on_diagonal * self.data.noise[i].shared;
+            rest = after;
         }
-        for (slope, l) in gradient.iter_mut().zip(&at.hyper.length_scales) {
-            *slope *= at.hyper.amplitude / (l * l);
-        }
-        gradient[d] = amplitude * at.hyper.amplitude;
-        gradient[d + 1] = noise * at.hyper.noise;
+        amplitude += dot(&weighted, &at.kernels);
+        weighted.iter_mut().zip(&at.slopes).for_each(|(weight, slope)| *weight *= slope);
+        let by_length_scale = self.differences.iter().zip(&at.hyper.length_scales);
+        let mut gradient: Vec<f64> =
+            by_length_scale.map(|(x, l)| dot(&weighted, x) * at.hyper.amplitude / (l * l)).collect();
+        gradient.push(amplitude * at.hyper.amplitude);
+        gradient.push(noise * at.hyper.noise);
         self.prior.log_density(logarithms, Some(&mut gradient));
         gradient
     }

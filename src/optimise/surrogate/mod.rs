@@ -6,12 +6,16 @@ mod gaussian_process;
 mod kernel;
 pub(crate) mod likelihood;
 mod standardise;
+mod widest;
 
 pub use gaussian_process::FriedrichSurrogate;
 pub use kernel::HyperParameters;
 pub use standardise::{Outliers, Standardisation};
 
+use std::ops::Range;
+
 use super::Error;
+use dense::Lanes;
 
 /// The noise of one datum: a share of the fitted noise, and what is known besides.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,11 +57,12 @@ impl Posterior {
 
 /// A probabilistic model of a function on the unit cube. Values are standardised: of order one.
 pub trait Surrogate: Sized {
-    /// Fits the model; `previous` hyper-parameters are one more place to start from, and the only one when `refine`.
+    /// Fits the model, starting from the `previous` hyper-parameters and from those of a few fixed places whose turn it is: these
+    /// numbers modulo how many there are. Without previous ones it is everyone's.
     ///
     /// # Errors
     /// [`Error::Surrogate`] when the data are empty, not finite, of unequal lengths, or cannot be factored.
-    fn fit(data: Dataset, previous: Option<&HyperParameters>, refine: bool) -> Result<Self, Error>;
+    fn fit(data: Dataset, previous: Option<&HyperParameters>, turns: Range<usize>) -> Result<Self, Error>;
 
     /// The belief at each point.
     fn posterior(&self, points: &[Vec<f64>]) -> Vec<Posterior>;
@@ -65,8 +70,16 @@ pub trait Surrogate: Sized {
     /// The same belief, up to rounding, in the shortest time: for the thousand candidates of an acquisition's maximum.
     fn scan(&self, points: &[Vec<f64>]) -> Vec<Posterior>;
 
-    /// Like [`Surrogate::scan`], point by point, each with its posterior covariance with the latent function at every datum.
-    fn scan_with_covariances(&self, points: &[Vec<f64>], visit: impl FnMut(Posterior, &[f64]));
+    /// What covariances of the latent function at any point with that at these data, in ascending order, are computed from.
+    fn covariances_with(&self, data: &[usize]) -> CovariancesWith;
+
+    /// Like [`Surrogate::scan`], point by point, each with its posterior covariance with the latent function at some of the data.
+    fn scan_with_covariances(
+        &self,
+        points: &[Vec<f64>],
+        with: &CovariancesWith,
+        visit: impl FnMut(Posterior, &[f64]),
+    );
 
     /// Joint draws of the latent function at `points`, one for each vector of standard normal numbers in `normals`.
     ///
@@ -82,6 +95,13 @@ pub trait Surrogate: Sized {
 
     /// The hyper-parameters in use.
     fn hyper_parameters(&self) -> &HyperParameters;
+}
+
+/// Made by [`Surrogate::covariances_with`].
+pub struct CovariancesWith {
+    count: usize,
+    /// Columns of the inverse of the covariance's factor, times the noise, from the row on that is given first.
+    blocks: Vec<(usize, Vec<Lanes>)>,
 }
 
 impl Dataset {

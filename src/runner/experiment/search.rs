@@ -13,7 +13,7 @@ use super::rounds::{EvaluateRound, Optimisation, optimise};
 use super::searched::{FRESH_RUNS, Searched, SearchedPeople, named_at};
 use numbers::random::derive_seed;
 use numbers::summary::mean;
-use optimise::{self, Definition, Evaluation, Margin, Method, ObjectiveValue, Optimiser, Proposal};
+use optimise::{self, Definition, Evaluation, Fitted, Margin, Method, ObjectiveValue, Optimiser, Proposal};
 use results::{
     CaseRun, CoursePoint, Found, FrontPoint, MetricCourse, Outcome, SavedCase, SavedSet, SearchResult,
     UsualEncounters,
@@ -257,13 +257,13 @@ impl Under<'_> {
         found.best = Some(names.zip(best.point.iter().cloned()).collect());
         found.observed = best.evaluation.objectives[0].value;
         // A surrogate that cannot be fitted leaves these parts of the report empty, not the search without a result.
-        let predictions = optimiser.predictions().unwrap_or_default();
+        let fitted = optimiser.fitted().ok();
+        let predictions = fitted.as_ref().map(Fitted::predictions).unwrap_or_default();
         found.predicted =
             predictions.iter().find(|one| one.point == best.point).map(|one| (one.mean, one.deviation));
         for dimension in 0..self.search.over.len() {
-            found
-                .slices
-                .push(optimiser.surrogate_slice(dimension, &best.point, SLICE_STEPS).unwrap_or_default());
+            let slice = fitted.as_ref().map(|one| one.surrogate_slice(dimension, &best.point, SLICE_STEPS));
+            found.slices.push(slice.and_then(Result::ok).unwrap_or_default());
         }
         found
     }

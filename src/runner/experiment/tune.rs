@@ -9,7 +9,7 @@ use super::overrides;
 use super::rounds::{EvaluateRound, Optimisation, optimise};
 use super::search::definition;
 use numbers::random::derive_seed;
-use optimise::{self, Evaluation, Margin, ObjectiveValue, Optimiser, Proposal};
+use optimise::{self, Evaluation, Fitted, Margin, ObjectiveValue, Optimiser, Proposal};
 use results::{BeforeAndAfter, Candidate, Outcome, SavedCase, TuneResult, Violations};
 use scenario::{Case, Goal, Objective, SearchRange, ShownIn, Target, Tune, Value};
 
@@ -172,7 +172,8 @@ impl Under<'_> {
             feasible: trial.is_feasible(),
         };
         // The predicted best among what was seen to be feasible; where no surrogate can be fitted, the observed best.
-        let predicted = optimiser.best_predicted().ok().flatten();
+        let fitted = optimiser.fitted().ok();
+        let predicted = fitted.as_ref().and_then(Fitted::best_predicted);
         let chosen = predicted
             .and_then(|one| optimiser.trials().iter().find(|trial| trial.id == one.id && trial.is_feasible()))
             .or_else(|| optimiser.best_observed());
@@ -186,8 +187,9 @@ impl Under<'_> {
         let mut comparison = None;
         if let Some(best) = chosen {
             for dimension in 0..tune.over.len() {
-                slices
-                    .push(optimiser.surrogate_slice(dimension, &best.point, SLICE_STEPS).unwrap_or_default());
+                let slice =
+                    fitted.as_ref().map(|one| one.surrogate_slice(dimension, &best.point, SLICE_STEPS));
+                slices.push(slice.and_then(Result::ok).unwrap_or_default());
             }
             if tune.compare_with_default {
                 comparison = Some(self.compare(&overrides::settings(&tune.over, &best.point))?);
