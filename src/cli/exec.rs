@@ -86,8 +86,7 @@ fn executed(arguments: &ExecArguments, registry: &Registry) -> Result<Exit, Exit
     let threads = permission.threads(arguments.test_threads, suites.iter().map(|one| &one.suite))?;
     let canary = canary(registry).map_err(|error| said(&error))?;
     let units = session::units(suites);
-    let planner =
-        Planner::new(&planned.project, &units, &threads, &planned.digests).map_err(|error| said(&error))?;
+    let planner = Planner::new(&planned.project, &units, &threads, &planned.digests);
     make_results_folder(&arguments.results)?;
     let stop = stop_on_interrupt();
     let mine = |number: usize, id: &str| arguments.partition.is_none_or(|share| share.holds(number, id));
@@ -103,10 +102,11 @@ fn executed(arguments: &ExecArguments, registry: &Registry) -> Result<Exit, Exit
         stop: &stop,
     };
     let log = WorkLog::new(&arguments.results);
-    let Executed { made, skipped, runs } =
+    let Executed { made, skipped, runs, resumed } =
         execution.run(&|batch, progress| log.note(batch, progress)).map_err(|error| said(&error))?;
+    let before = if resumed > 0 { format!(" ({resumed} of which a journal held)") } else { String::new() };
     let there = if skipped > 0 { format!(", {skipped} were there") } else { String::new() };
-    writeln!(stdout(), "{}: made {made} batches of {runs} runs{there}", arguments.results.display());
+    writeln!(stdout(), "{}: made {made} batches of {runs} runs{before}{there}", arguments.results.display());
     Ok(Exit::Success)
 }
 
@@ -149,7 +149,21 @@ impl WorkLog {
                 writeln!(stderr(), "warning: {why}; it is made again");
                 json!({ "damaged": why })
             }
-            BatchProgress::Made { runs, took } => json!({ "runs": runs, "seconds": took.as_secs_f64() }),
+            BatchProgress::Made { runs, took, over_limit, path } => {
+                for trial in over_limit {
+                    writeln!(
+                        stderr(),
+                        "warning: {trial} took longer here than its `time_limit`: that is its result, which has not passed; without {} it is made \
+                         again",
+                        path.display()
+                    );
+                }
+                let mut what = json!({ "runs": runs, "seconds": took.as_secs_f64() });
+                if !over_limit.is_empty() {
+                    what["over_limit"] = over_limit.into();
+                }
+                what
+            }
         };
         let at = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0.0, |since| since.as_secs_f64());
         let line = json!({ "batch": batch.id, "host": self.host, "pid": std::process::id(), "at": at, "what": line });

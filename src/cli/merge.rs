@@ -14,7 +14,7 @@ use super::{Exit, number};
 use files::escape::shell_word;
 use files::{Disk, Files};
 use report::console::stderr;
-use runner::run::{AbsentRuns, FromResults, Threads};
+use runner::run::{AbsentRuns, Executor, FromResults, Threads};
 use runner::session::{self, Selection};
 use runner::shards::{ResultFiles, chosen};
 use scenario::registry::Registry;
@@ -90,7 +90,8 @@ fn merged(arguments: MergeArguments, registry: &Registry) -> Result<Exit, Exit> 
         Some((program.clone(), files.title(&program.name, &program.file)?.to_string()))
     });
     let executor = FromResults::new(&threads, &planned.digests, &files, AbsentRuns::Refused, &stop)
-        .with_programs(asked.collect());
+        .with_programs(asked.collect())
+        .reading_ahead(threads.parallelism());
     let mut lines = reports.begin_lines(&units, &chosen, in_github_actions()).map_err(|complaint| {
         writeln!(stderr(), "error: {complaint}");
         Exit::Output
@@ -117,7 +118,9 @@ fn merged(arguments: MergeArguments, registry: &Registry) -> Result<Exit, Exit> 
         writeln!(stderr(), "error: the results are not those of this plan: no report was written");
         return Err(Exit::Usage);
     }
-    if !stop.is_requested() {
+    if stop.is_requested() {
+        writeln!(stderr(), "error: interrupted: no report was written");
+    } else {
         complaints.extend(lines.and_then(WrittenLines::end));
         complaints.extend(output::write(&reports, &results, in_github_actions()));
     }

@@ -19,7 +19,7 @@ use runner::session;
 use runner::shards::{ManifestHeader, Planner, WrittenManifest, canary, write_manifest};
 use scenario::registry::Registry;
 
-/// Writes down what there is to be run: a line a unit, which is some runs of a trial, or a whole search, tune or other block.
+/// Writes down what there is to be run: a line a unit, which is some runs of a trial, what a search makes for a person, or another block as a whole.
 ///
 /// A manifest holds for the program that wrote it and the files as they are: `exec` and `merge` refuse it with any other. The same files and
 /// program give the same manifest, byte for byte, so that every machine may make its own.
@@ -109,7 +109,7 @@ fn planned(arguments: PlanArguments, registry: &Registry) -> Result<Exit, Exit> 
     let build = own_build()?;
     let threads = arguments.test_threads.map_or_else(Threads::all, Threads::new);
     let digests = run_digests(&build, &verify, &own);
-    let planner = Planner::new(&project, &units, &threads, &digests).map_err(|error| said(&error))?;
+    let planner = Planner::new(&project, &units, &threads, &digests);
     let canary = canary(registry).map_err(|error| said(&error))?;
     let mut header = ManifestHeader::new(build, canary);
     header.files = names.into_iter().cloned().collect();

@@ -2,9 +2,29 @@
 
 const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 
+/// What each letter stands for, and this where it stands for nothing.
+const VALUES: [u8; 256] = values();
+const NO_LETTER: u8 = 64;
+
+const fn values() -> [u8; 256] {
+    let mut values = [NO_LETTER; 256];
+    let mut value = 0;
+    while value < LETTERS.len() {
+        values[LETTERS[value] as usize] = value as u8;
+        value += 1;
+    }
+    values
+}
+
 /// Two small digits a byte.
 pub fn hexadecimal(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+    const DIGITS: &[u8; 16] = b"0123456789abcdef";
+    let mut text = String::with_capacity(2 * bytes.len());
+    for byte in bytes {
+        text.push(char::from(DIGITS[usize::from(byte >> 4)]));
+        text.push(char::from(DIGITS[usize::from(byte & 15)]));
+    }
+    text
 }
 
 /// Four letters for three bytes.
@@ -23,16 +43,6 @@ pub fn base64(bytes: &[u8]) -> String {
 
 /// What [`base64`] wrote; `None` for anything else, also for other letters of the same bytes.
 pub fn from_base64(text: &str) -> Option<Vec<u8>> {
-    let value = |letter: u8| {
-        Some(match letter {
-            b'A'..=b'Z' => letter - b'A',
-            b'a'..=b'z' => letter - b'a' + 26,
-            b'0'..=b'9' => letter - b'0' + 52,
-            b'+' => 62,
-            b'/' => 63,
-            _ => return None,
-        })
-    };
     let letters = text.as_bytes();
     if !letters.len().is_multiple_of(4) {
         return None;
@@ -40,13 +50,23 @@ pub fn from_base64(text: &str) -> Option<Vec<u8>> {
     let mut bytes = Vec::with_capacity(letters.len() / 4 * 3);
     let last = (letters.len() / 4).saturating_sub(1);
     for (index, four) in letters.chunks(4).enumerate() {
+        let whole = [0, 1, 2, 3].map(|place| VALUES[usize::from(four[place])]);
+        if whole.iter().all(|value| *value != NO_LETTER) {
+            let number = whole.iter().fold(0, |number, value| number << 6 | u32::from(*value));
+            bytes.extend_from_slice(&[(number >> 16) as u8, (number >> 8) as u8, number as u8]);
+            continue;
+        }
         let known = four.iter().rposition(|letter| *letter != b'=').map_or(0, |place| place + 1);
         if known < 2 || known < 4 && index != last {
             return None;
         }
         let mut number = 0;
         for letter in &four[..known] {
-            number = number << 6 | u32::from(value(*letter)?);
+            let value = VALUES[usize::from(*letter)];
+            if value == NO_LETTER {
+                return None;
+            }
+            number = number << 6 | u32::from(value);
         }
         number <<= 6 * (4 - known);
         let three = [(number >> 16) as u8, (number >> 8) as u8, number as u8];

@@ -1,7 +1,7 @@
 //! Pieces of files that are too large to be held: a digest of all of one, or some bytes at a place.
 
 use std::fs::File;
-use std::io::{Read, Seek, SeekFrom};
+use std::io::{self, Read};
 use std::path::Path;
 
 use sha2::{Digest, Sha256};
@@ -41,10 +41,21 @@ impl Places {
     /// # Errors
     /// [`ReadError`], also where the file ends before.
     pub fn read(&mut self, place: u64, length: usize) -> Result<Vec<u8>, ReadError> {
-        self.0.seek(SeekFrom::Start(place))?;
         let mut bytes = vec![0; length];
-        self.0.read_exact(&mut bytes)?;
+        self.read_exact(place, &mut bytes)?;
         Ok(bytes)
+    }
+
+    #[cfg(unix)]
+    fn read_exact(&mut self, place: u64, bytes: &mut [u8]) -> io::Result<()> {
+        std::os::unix::fs::FileExt::read_exact_at(&self.0, bytes, place)
+    }
+
+    #[cfg(not(unix))]
+    fn read_exact(&mut self, place: u64, bytes: &mut [u8]) -> io::Result<()> {
+        use std::io::{Seek, SeekFrom};
+        self.0.seek(SeekFrom::Start(place))?;
+        self.0.read_exact(bytes)
     }
 }
 

@@ -198,14 +198,205 @@ fn a_plan_of_another_program_is_refused_by_name() {
     assert!(stderr(&output).contains("riscv64-plan9"), "{}", stderr(&output));
 }
 
+/// The only file of results, with a run in it that is called otherwise, sealed again.
+fn renamed_run(folder: &Path) {
+    let folders = fs::read_dir(folder.join("results")).unwrap().map(|one| one.unwrap().path());
+    let inside =
+        folders.filter(|one| one.file_name().unwrap().len() == 2).map(|one| fs::read_dir(one).unwrap());
+    let path = inside.flatten().next().unwrap().unwrap().path();
+    let text = fs::read_to_string(&path).unwrap();
+    let body = &text[..text.trim_end().rfind('\n').unwrap() + 1];
+    let at = body.find("{\"run\":\"").unwrap() + 8;
+    let other = if &body[at..=at] == "0" { "1" } else { "0" };
+    let body = format!("{}{other}{}", &body[..at], &body[at + 1..]);
+    let seal = scenario::sha256(body.as_bytes());
+    fs::write(path, format!("{body}{{\"sha256\":\"{seal}\"}}\n")).unwrap();
+}
+
 #[test]
-fn a_wall_time_limit_is_refused() {
+fn a_merge_that_refuses_results_tells_no_summary_and_remembers_nothing() {
     let folder = folder();
-    let text = SUITE.replace("seed 11", "seed 11\n  time_limit 10 s per case");
-    fs::write(folder.path().join("crossing.suite"), text).unwrap();
-    let output = scenario_runner(folder.path(), &["plan", "crossing.suite", "--out", "manifest.jsonl"]);
+    let folder = folder.path();
+    planned(folder, &["walker/tta=3s"]);
+    executed(folder, "slice:1/1", "2");
+    let memory = || fs::read_dir(folder.join(".scenario-runner")).map_or(0, Iterator::count);
+    let before = memory();
+    renamed_run(folder);
+    let output = scenario_runner(folder, &[&MERGE[..], &["--junit", "never.xml"]].concat());
     assert_eq!(code(&output), 2);
-    assert!(stderr(&output).contains("`time_limit`") && !folder.path().join("manifest.jsonl").exists());
+    assert!(stderr(&output).contains("there is no result of crossing/walker/tta=3s"), "{}", stderr(&output));
+    assert!(
+        !stdout(&output).contains("Summary") && !folder.join("never.xml").exists(),
+        "{}",
+        stdout(&output)
+    );
+    assert_eq!(memory(), before);
+}
+
+fn with_limit(folder: &Path, limit: &str) {
+    let text = SUITE.replace("seed 11", &format!("seed 11\n  time_limit {limit} per case"));
+    // So many runs that none of its trials is over within a millisecond.
+    fs::write(folder.join("crossing.suite"), text.replace("runs 20 .. 300", "runs 200 .. 300")).unwrap();
+}
+
+/// A report without how far those trials were that took too long.
+fn verdicts(report: &str) -> String {
+    let far = Regex::new(r#"(exceeded after|name="runs" value=")\s*\d+"#).unwrap();
+    far.replace_all(report, "$1 …").into_owned()
+}
+
+#[test]
+fn a_time_limit_that_is_kept_changes_nothing() {
+    let folder = folder();
+    let folder = folder.path();
+    with_limit(folder, "100 s");
+    let local = reported(folder, "local", &["crossing.suite"]);
+    planned(folder, &[]);
+    for share in ["slice:2/2", "slice:1/2"] {
+        executed(folder, share, "2");
+    }
+    assert_eq!(reported(folder, "merged", &MERGE), local);
+}
+
+/// Every trial takes longer than its limit wherever it is made, and none of them is judged.
+#[test]
+fn what_took_too_long_on_a_share_has_not_passed() {
+    let folder = folder();
+    let folder = folder.path();
+    with_limit(folder, "1 ms");
+    let (code_of_one, local) = reported(folder, "local", &["crossing.suite"]);
+    planned(folder, &[]);
+    let exec = ["exec", "manifest.jsonl", "--results", "results"];
+    let output = scenario_runner(folder, &exec);
+    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    for trial in ["crossing/walker/tta=3s", "crossing/open/tta=12s"] {
+        assert!(stderr(&output).contains(&format!("{trial} took longer here than its `time_limit`")));
+    }
+    let (code_of_many, merged) = reported(folder, "merged", &MERGE);
+    assert_eq!((code_of_one, code_of_many), (100, 100));
+    for ((kind, one), many) in REPORTS.iter().zip(&local).zip(&merged) {
+        if *kind == "junit" {
+            assert_eq!(many.matches(r#"type="time_limit""#).count(), 5, "{many}");
+            assert!(verdicts(one) == verdicts(many), "{kind} differs");
+        }
+        assert!(*kind != "tap" || many.contains("time limit of 0.001 s exceeded"), "{many}");
+    }
+    // Results under another limit are others: neither the strict ones nor those of a loose one are taken for each other.
+    with_limit(folder, "100 s");
+    planned(folder, &[]);
+    let refused = scenario_runner(folder, &MERGE);
+    assert_eq!(code(&refused), 2, "{}", stderr(&refused));
+    fs::remove_dir_all(folder.join("results")).unwrap();
+    executed(folder, "slice:1/1", "2");
+    with_limit(folder, "1 ms");
+    planned(folder, &[]);
+    let refused = scenario_runner(folder, &MERGE);
+    assert_eq!(code(&refused), 2, "{}", stderr(&refused));
+}
+
+const PEOPLE: &str = r#"suite people {
+  seed 5
+  scenario walk {
+    road { lane_width 4 m; speed_limit 30 km/h; crossing zebra }
+    vehicle av { controller carla_behavior; speed 30 km/h }
+    pedestrian walker { model commotions; start 2 m from kerb; appears when time_to_arrival(av) = tta }
+    vary tta in [6 s, 7 s]
+    repeat 2
+    expect { no collision }
+  }
+}
+search worst {
+  in walk
+  individuals 14 of standard
+  minimise pet
+  over tta in 3 s .. 9 s
+  keep pet <= 5 s
+  budget 20 evaluations, 20 random first
+}
+tune good {
+  on worst
+  over av.controller.braking_distance in 4 m .. 12 m
+  minimise mean(time_lost)
+  budget 4 evaluations, 2 random first
+}
+"#;
+
+fn people() -> TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("crossing.suite"), PEOPLE).unwrap();
+    folder
+}
+
+#[test]
+fn a_search_for_several_people_is_shared_out() {
+    let folder = people();
+    let folder = folder.path();
+    let local = reported(folder, "local", &["crossing.suite"]);
+    planned(folder, &[]);
+    let manifest = fs::read_to_string(folder.join("manifest.jsonl")).unwrap();
+    let groups = manifest.lines().filter(|line| line.contains("\"group\":")).count();
+    assert_eq!(groups, 14, "{manifest}");
+    for shares in [1, 3, 7] {
+        let _ = fs::remove_dir_all(folder.join("results"));
+        // Not in their order.
+        (0..shares).for_each(|share| {
+            let share = (share * 2 + 1) % shares + 1;
+            executed(folder, &format!("slice:{share}/{shares}"), "2");
+        });
+        assert_eq!(reported(folder, "merged", &MERGE), local, "{shares} shares");
+        // A journal is kept as long as there is something to go on with.
+        let journals = fs::read_dir(folder.join("results/journal")).map_or(0, Iterator::count);
+        assert_eq!(journals, 0);
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn a_worker_that_is_killed_within_a_search_is_gone_on_from() {
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let text = SUITE.replace("budget 8 evaluations", "repeat 20\n  budget 60 evaluations");
+    fs::write(folder.join("crossing.suite"), text).unwrap();
+    planned(folder, &["-E", "kind(search)"]);
+    let begun = || {
+        Command::new(env!("CARGO_BIN_EXE_scenario-runner"))
+            .args(["exec", "manifest.jsonl", "--results", "results", "--test-threads", "1"])
+            .current_dir(folder)
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap()
+    };
+    let held = || -> u64 {
+        let files = fs::read_dir(folder.join("results/journal")).into_iter().flatten();
+        files.map(|file| file.unwrap().metadata().unwrap().len()).sum()
+    };
+    let mut worker = begun();
+    while held() < 100_000 && worker.try_wait().unwrap().is_none() {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    worker.kill().unwrap();
+    worker.wait().unwrap();
+    assert!(held() >= 100_000, "it ended before it could be killed");
+    let said = executed(folder, "slice:1/1", "2");
+    let numbers = Regex::new(r"of (\d+) runs \((\d+) of which a journal held\)").unwrap();
+    let found = numbers.captures(&said).unwrap().unwrap_or_else(|| panic!("{said}"));
+    let number = |place: usize| found.get(place).unwrap().as_str().parse::<usize>().unwrap();
+    assert!(number(2) > 10 && number(2) < number(1), "{said}");
+    let resumed = reported(folder, "resumed", &MERGE);
+    let local = reported(folder, "local", &["crossing.suite", "-E", "kind(search)"]);
+    assert_eq!(resumed, local);
+    // And the same bytes as of a worker that was not killed.
+    let bytes = |results: &str| {
+        let folders = fs::read_dir(folder.join(results)).unwrap().map(|one| one.unwrap());
+        let folders = folders.filter(|one| one.file_name().len() == 2);
+        let files = folders.flat_map(|one| fs::read_dir(one.path()).unwrap());
+        files.map(|file| fs::read(file.unwrap().path()).unwrap()).collect::<Vec<_>>()
+    };
+    let one = bytes("results");
+    fs::remove_dir_all(folder.join("results")).unwrap();
+    assert!(!executed(folder, "slice:1/1", "2").contains("journal"));
+    assert!(bytes("results") == one && one.len() == 1);
 }
 
 #[cfg(unix)]

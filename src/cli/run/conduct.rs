@@ -155,7 +155,8 @@ pub struct ConductOrders<'o> {
     pub besides: Option<&'o mut dyn Reporter>,
     /// Whether what was stopped is to be run again, so that nobody has to be told, and what it did not come to is not remembered.
     pub is_repeated: bool,
-    /// Whether all runs were made before: then nothing is gone on from but their results.
+    /// Whether all runs were made before: then nothing is gone on from but their results, and of what was stopped nothing is told or
+    /// remembered.
     pub is_merged: bool,
 }
 
@@ -218,6 +219,7 @@ impl ConductArguments {
         let mut session = Session::new(project)
             .executor(executor)
             .every_metric(is_merged || besides.is_some())
+            .timeless(is_merged)
             .stopped_by(stop)
             .verify_runs(self.verify.runs())
             .after_seeds(tried.earlier(project.suites()))
@@ -237,16 +239,20 @@ impl ConductArguments {
         let terminal = Terminal::new(self.shown.status_level.0, colour, live);
         // A shorter life of its own.
         let besides = besides.map(|one| one as &mut dyn Reporter);
-        let mut learning = Learning { terminal, units, last, repeated: is_repeated.then_some(stop), besides };
+        // What results that are not those of the plan come to is nothing to be told.
+        let repeated = (is_repeated || is_merged).then_some(stop);
+        let mut learning = Learning { terminal, units, last, repeated, besides };
         let mut complaints = Vec::new();
         let mut results = session.run_units(units, &selection, &mut learning).unwrap_or_else(|error| {
             complaints.push(error.to_string());
             error.results()
         });
         let notices = session.notices();
-        if is_repeated && stop.is_requested() {
-            // What failed by then comes first next time.
-            let _ = last.write();
+        if (is_repeated || is_merged) && stop.is_requested() {
+            if is_repeated {
+                // What failed by then comes first next time.
+                let _ = last.write();
+            }
             return Conducted { results, complaints: Vec::new(), notices };
         }
         for told in estimate_tries::note(&mut results.suites) {

@@ -144,7 +144,7 @@ pub struct Learning<'l, 'a> {
     pub terminal: Terminal,
     pub units: &'l Units<'a>,
     pub last: &'l mut LastRun,
-    /// Who stops what is then run again from the beginning: nobody has to be told of that, and what was stopped has not failed.
+    /// Who stops what is then run again from the beginning, or refused: nobody has to be told of that, and what was stopped has not failed.
     pub repeated: Option<&'l Stop>,
     /// Who hears all of it as well.
     pub besides: Option<&'l mut dyn Reporter>,

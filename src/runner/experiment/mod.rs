@@ -39,4 +39,6 @@ pub use overrides::apply as apply_settings;
 pub use parameters::ParameterFile;
 pub(crate) use rehearsal::rehearse_searches;
 pub use search::run_search;
+pub(crate) use search::search_group;
 pub use searched::searched_case;
+pub(crate) use searched::searched_groups;

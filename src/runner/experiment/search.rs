@@ -48,9 +48,36 @@ pub fn run_search(
     search: &Search,
     progress: &dyn BlockProgress,
 ) -> Result<SearchResult, ExperimentError> {
+    run_groups(context, search, None, progress)
+}
+
+/// The search for one of several groups of people alone: all runs that a search for all makes for it, and maybe more, since of all only the worst
+/// are followed further.
+///
+/// # Errors
+/// As [`run_search`].
+pub fn search_group(
+    context: &Context,
+    search: &Search,
+    group: usize,
+    progress: &dyn BlockProgress,
+) -> Result<SearchResult, ExperimentError> {
+    run_groups(context, search, Some(group), progress)
+}
+
+/// For all groups, or only one.
+fn run_groups(
+    context: &Context,
+    search: &Search,
+    only: Option<usize>,
+    progress: &dyn BlockProgress,
+) -> Result<SearchResult, ExperimentError> {
     let searched = Searched::new(context.suite, search, context.scenario(&search.scenario)?);
-    let groups = searched.groups()?;
+    let mut groups = searched.groups()?;
     let together = groups.iter().any(|group| group.len() > 1);
+    if let Some(only) = only {
+        groups = groups.into_iter().skip(only).take(1).collect();
+    }
     let under = Under {
         context,
         search,

@@ -105,6 +105,14 @@ impl<'a> Searched<'a> {
     }
 }
 
+/// How many groups of people a search is for, each of which is searched for by itself; 1 where that is not known.
+pub fn searched_groups(suite: &Suite, search: &Search) -> usize {
+    let mut scenarios = suite.scenarios.iter().chain(&suite.supporting);
+    let declared = scenarios.find(|scenario| scenario.name == search.scenario);
+    let groups = declared.and_then(|declared| Searched::new(suite, search, declared).groups().ok());
+    groups.map_or(1, |groups| groups.len())
+}
+
 /// The name of a run of an evaluation with the values that it is of.
 pub fn named_at(key: &str, point: &[Coordinate]) -> String {
     let values: Vec<String> = point.iter().map(ToString::to_string).collect();

@@ -5,6 +5,8 @@ use std::collections::HashSet;
 use std::ops::Deref;
 use std::sync::{Arc, OnceLock};
 
+use rayon::prelude::*;
+
 use super::drawable::{CutOffDraw, DrawnTrial};
 use super::draws::{DrawAxis, DrawnRun, RunDraws, is_outermost};
 use super::error::PlanError;
@@ -23,6 +25,9 @@ const MOST_RUNS: usize = 10_000_000;
 
 /// More combinations than this are not tried out before a run.
 const MOST_PROBES: usize = 10_000;
+
+/// So many trials are looked at by one thread.
+const SIDE_BY_SIDE: usize = 256;
 
 /// Of drawn runs so many stand for all where worlds are looked at.
 const WORLDS_OF_DRAWN: usize = 64;
@@ -618,8 +623,13 @@ pub fn outline(
 pub fn plan_scenario(suite: &Suite, scenario: &Scenario) -> Result<ScenarioPlan, PlanError> {
     let plan = ScenarioPlan::new(suite, scenario)?;
     plan.outlines().try_for_each(|outline| outline.map(|_| ()))?;
-    (0..plan.len())
-        .try_for_each(|index| plan.planned(index, Part::Everybody)?.cases.check(false, index == 0))?;
+    let check = |index| plan.planned(index, Part::Everybody)?.cases.check(false, index == 0);
+    if plan.0.combinations.are_independent() {
+        let all = (0..plan.len()).into_par_iter().with_min_len(SIDE_BY_SIDE);
+        all.find_map_first(|index| check(index).err()).map_or(Ok(()), Err)?;
+    } else {
+        (0..plan.len()).try_for_each(check)?;
+    }
     Ok(plan)
 }
 

@@ -52,6 +52,11 @@ impl<'a> Combinations<'a> {
         Ok(Self { scenario, given, draws })
     }
 
+    /// Whether each is worked out by itself; else those that follow each other share work.
+    pub fn are_independent(&self) -> bool {
+        self.draws.iter().all(|one| !matches!(one, Draws::Each { .. }))
+    }
+
     /// Whose they are.
     pub fn scenario(&self) -> &Scenario {
         &self.scenario

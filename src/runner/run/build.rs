@@ -27,6 +27,9 @@ pub enum RunError {
     /// What was drawn for it is not possible.
     #[error("what was drawn for it cannot be run: {0}")]
     Impossible(String),
+    /// It was not made: where it was to be made, its trial had taken longer than its `time_limit` by then.
+    #[error("its trial was over its `time_limit` before it was made")]
+    TimeLimit,
     /// A model refuses the case.
     #[error("`{who}`: {error}")]
     Model {
@@ -74,7 +77,7 @@ impl RunError {
     /// What to write instead, if the model knows.
     pub fn hint(&self) -> Option<&str> {
         match self {
-            Self::Unknown { .. } => None,
+            Self::Unknown { .. } | Self::TimeLimit => None,
             Self::Impossible(_) => Some(
                 "cut what is drawn where that begins: `truncated_normal(mean, standard deviation, low, high)`",
             ),
@@ -90,7 +93,7 @@ impl RunError {
                 let fault = (**error.fault.as_ref()?).clone();
                 Some(RunFault { run: key.to_string(), vehicle: who.clone(), time: *time, fault })
             }
-            Self::Unknown { .. } | Self::Impossible(_) | Self::Model { .. } => None,
+            Self::Unknown { .. } | Self::Impossible(_) | Self::TimeLimit | Self::Model { .. } => None,
         }
     }
 

@@ -1,13 +1,17 @@
 //! Runs of which the results are there: an executor that answers from them. What is not there is made by another one and kept, or refused.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap, VecDeque};
+use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
-use std::time::Duration;
+use std::thread::{self, Scope};
+use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
+use super::build::RunError;
 use super::executor::{Executor, Round};
 use super::job::{Done, Job, JobFailure, JobPlace, LoggedDecision, Ran, Wanted, programs};
+use super::panic::Panicked;
 use super::run_digest::{RunDigest, RunDigests};
 use super::stop::Stop;
 use results::Outcome;
@@ -32,6 +36,16 @@ impl StoredRun {
             bare(outcome, if decisions { ran.decisions.clone() } else { Vec::new() })
         });
         Self { decisions, result }
+    }
+
+    /// Of a run that was not made, since its trial had taken longer than its `time_limit` by then.
+    pub fn over_time_limit() -> Self {
+        Self { decisions: false, result: Err(JobFailure::Error(RunError::TimeLimit)) }
+    }
+
+    /// Whether it is [`Self::over_time_limit`].
+    pub fn is_over_time_limit(&self) -> bool {
+        matches!(self.result, Err(JobFailure::Error(RunError::TimeLimit)))
     }
 
     /// What [`Self::from_bytes`] reads: MessagePack with names of fields, which carries every number to its last bit.
@@ -60,10 +74,12 @@ impl StoredRun {
         self.result.is_err() || wanted == Wanted::Outcome || self.decisions && wanted == Wanted::Decisions
     }
 
-    fn told(self, wanted: Wanted) -> Result<Ran, JobFailure> {
-        self.result.map(|ran| match wanted {
-            Wanted::Outcome => Ran { decisions: Vec::new(), ..ran },
-            _ => ran,
+    /// As somebody is told who asked for it, for whom it took that long to be found: never no time, which a report would leave out.
+    fn told(self, wanted: Wanted, took: Duration) -> Result<Ran, JobFailure> {
+        self.result.map(|ran| {
+            let outcome = Outcome { wall_time: took.max(Duration::from_nanos(1)), ..ran.outcome };
+            let decisions = if wanted == Wanted::Outcome { Vec::new() } else { ran.decisions };
+            Ran { outcome, decisions, ..ran }
         })
     }
 }
@@ -89,6 +105,9 @@ pub enum AbsentRuns {
     Refused,
 }
 
+/// So many runs are looked up together by another thread.
+const TOGETHER: usize = 64;
+
 /// Another executor, asked for those runs alone of which there is no result, or of which more is wanted than was kept. The latter must come to
 /// what was kept, to the bit.
 pub struct FromResults<'e> {
@@ -96,6 +115,8 @@ pub struct FromResults<'e> {
     digests: &'e RunDigests,
     results: &'e dyn RunResults,
     absent: AbsentRuns,
+    /// How many threads look runs up before a session asks for them.
+    ahead: usize,
     stop: Stop,
     uses: Vec<(Arc<DeclaredProgram>, String)>,
     troubles: Mutex<Vec<String>>,
@@ -111,7 +132,12 @@ impl<'e> FromResults<'e> {
         stop: &Stop,
     ) -> Self {
         let (uses, troubles) = (Vec::new(), Mutex::default());
-        Self { executor, digests, results, absent, stop: stop.clone(), uses, troubles }
+        Self { executor, digests, results, absent, ahead: 0, stop: stop.clone(), uses, troubles }
+    }
+
+    /// With so many threads that look up what may be asked for next, so that results are asked for of which nobody turns out to have need.
+    pub fn reading_ahead(self, threads: usize) -> Self {
+        Self { ahead: threads, ..self }
     }
 
     /// With the programs that were asked when the results were made, and what they called themselves; how long they took is not known here.
@@ -132,7 +158,15 @@ impl<'e> FromResults<'e> {
 
 impl Executor for FromResults<'_> {
     fn run(&self, round: &mut dyn Round) {
-        self.executor.run(&mut AnsweredRound { round, all: self, under_way: HashMap::new() });
+        thread::scope(|scope| {
+            self.executor.run(&mut AnsweredRound {
+                round,
+                all: self,
+                under_way: HashMap::new(),
+                found: VecDeque::new(),
+                ahead: Ahead { scope, readers: None, asked: 0, given: 0, told: BTreeMap::new() },
+            });
+        });
     }
 
     fn parallelism(&self) -> usize {
@@ -156,10 +190,13 @@ impl Executor for FromResults<'_> {
     }
 }
 
-struct AnsweredRound<'r, 'e> {
+struct AnsweredRound<'r, 's, 'v, 'e> {
     round: &'r mut dyn Round,
-    all: &'r FromResults<'e>,
+    all: &'s FromResults<'e>,
     under_way: HashMap<JobPlace, UnderWay>,
+    /// What comes next, in the order of the round.
+    found: VecDeque<FoundRun>,
+    ahead: Ahead<'s, 'v>,
 }
 
 struct UnderWay {
@@ -169,12 +206,140 @@ struct UnderWay {
     known: Option<StoredRun>,
 }
 
-impl Round for AnsweredRound<'_, '_> {
+/// A run that was looked up.
+struct FoundRun {
+    job: Job,
+    run: RunDigest,
+    known: Result<Option<StoredRun>, String>,
+    /// To find it.
+    took: Duration,
+}
+
+/// What other threads look up, some runs at a time.
+struct Ahead<'s, 'v> {
+    scope: &'s Scope<'s, 'v>,
+    readers: Option<Readers>,
+    /// How many times some were asked for, and given back in their order.
+    asked: usize,
+    given: usize,
+    told: BTreeMap<usize, Vec<FoundRun>>,
+}
+
+struct Readers {
+    ask: Sender<(usize, Vec<Job>)>,
+    told: Receiver<(usize, Vec<FoundRun>)>,
+}
+
+impl FromResults<'_> {
+    fn look_up(&self, job: Job) -> FoundRun {
+        let begun = Instant::now();
+        // A thread that panicked would be waited for in vain.
+        let found = Panicked::catch(|| {
+            let run = self.digests.of(&job);
+            (run, self.results.find(&run))
+        });
+        let (run, known) = found.unwrap_or_else(|panicked| (RunDigest([0; 32]), Err(panicked.to_string())));
+        FoundRun { job, run, known, took: begun.elapsed() }
+    }
+
+    fn look_up_all(&self, jobs: Vec<Job>) -> Vec<FoundRun> {
+        jobs.into_iter().map(|job| self.look_up(job)).collect()
+    }
+}
+
+impl<'s> Ahead<'s, '_> {
+    /// Threads that end with what asks them.
+    fn readers(&mut self, all: &'s FromResults) -> &Readers {
+        let scope = self.scope;
+        self.readers.get_or_insert_with(|| {
+            let ((ask, asked), (tell, told)) = (channel::<(usize, Vec<Job>)>(), channel());
+            let asked = Arc::new(Mutex::new(asked));
+            for _ in 0..all.ahead {
+                let (asked, tell) = (asked.clone(), tell.clone());
+                scope.spawn(move || {
+                    let next = || asked.lock().unwrap_or_else(PoisonError::into_inner).recv();
+                    while let Ok((number, jobs)) = next() {
+                        if tell.send((number, all.look_up_all(jobs))).is_err() {
+                            break;
+                        }
+                    }
+                });
+            }
+            Readers { ask, told }
+        })
+    }
+
+    fn ask(&mut self, all: &'s FromResults, jobs: Vec<Job>) {
+        let number = self.asked;
+        self.asked += 1;
+        if let Err(unasked) = self.readers(all).ask.send((number, jobs)) {
+            self.told.insert(number, all.look_up_all(unasked.0.1));
+        }
+    }
+
+    /// The next of what was asked for, waited for if need be.
+    fn next(&mut self) -> Option<Vec<FoundRun>> {
+        loop {
+            if let Some(found) = self.told.remove(&self.given) {
+                self.given += 1;
+                return Some(found);
+            }
+            let readers = self.readers.as_ref().filter(|_| self.given < self.asked)?;
+            let (number, found) = readers.told.recv().expect("whoever was asked answers, or has panicked");
+            self.told.insert(number, found);
+        }
+    }
+}
+
+impl AnsweredRound<'_, '_, '_, '_> {
+    /// The next run that the round wants, looked up.
+    fn found(&mut self) -> Option<FoundRun> {
+        if self.all.ahead == 0 {
+            return self.round.next().map(|job| self.all.look_up(job));
+        }
+        loop {
+            if let Some(found) = self.found.pop_front() {
+                // By what those before it came to it may not be needed.
+                if self.round.is_wanted(found.job.place) {
+                    return Some(found);
+                }
+                continue;
+            }
+            while self.ahead.asked - self.ahead.given <= self.all.ahead {
+                let jobs = self.some();
+                let is_last = jobs.len() < TOGETHER;
+                match jobs.is_empty() {
+                    true => {}
+                    // Of few there is nothing to share out.
+                    false if is_last && self.ahead.asked == self.ahead.given => {
+                        self.found = self.all.look_up_all(jobs).into();
+                    }
+                    false => self.ahead.ask(self.all, jobs),
+                }
+                if is_last {
+                    break;
+                }
+            }
+            if self.found.is_empty() {
+                self.found = self.ahead.next()?.into();
+            }
+        }
+    }
+
+    fn some(&mut self) -> Vec<Job> {
+        let mut jobs = Vec::new();
+        while let Some(job) = if jobs.len() < TOGETHER { self.round.next() } else { None } {
+            jobs.push(job);
+        }
+        jobs
+    }
+}
+
+impl Round for AnsweredRound<'_, '_, '_, '_> {
     fn next(&mut self) -> Option<Job> {
         loop {
-            let job = self.round.next()?;
-            let run = self.all.digests.of(&job);
-            let known = match self.all.results.find(&run) {
+            let FoundRun { job, run, known, took } = self.found()?;
+            let known = match known {
                 Ok(Some(stored)) if !stored.is_of(&job) => {
                     self.all.end_with(format!(
                         "what is kept as the result of {} is of another run",
@@ -184,7 +349,7 @@ impl Round for AnsweredRound<'_, '_> {
                 }
                 Ok(Some(stored)) if stored.is_enough(job.wanted) => {
                     let Job { place, case, wanted, .. } = job;
-                    self.round.done(Done { place, case, result: stored.told(wanted) });
+                    self.round.done(Done { place, case, result: stored.told(wanted, took) });
                     continue;
                 }
                 Ok(None) if self.all.absent == AbsentRuns::Refused => {

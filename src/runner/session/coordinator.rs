@@ -81,11 +81,13 @@ impl<'a> Runner<'a> {
                 }
             }
             drop(sender);
+            let mut pace = Pace::default();
             loop {
                 match receiver.recv_timeout(TICK) {
                     Ok(message) => {
                         reporting.hear(message);
-                        receiver.try_iter().for_each(|message| reporting.hear(message));
+                        let more = receiver.try_iter().map(|message| reporting.hear(message)).count();
+                        pace.heard(1 + more);
                     }
                     Err(RecvTimeoutError::Timeout) => reporting.tell(&Event::Tick),
                     Err(RecvTimeoutError::Disconnected) => break,
@@ -107,6 +109,40 @@ impl<'a> Runner<'a> {
             reports[suite].gates = gates;
         }
         reports
+    }
+}
+
+/// Where messages come faster than this, s, they are waited for a bunch at a time: to wake a thread for each takes longer than to hear it.
+const FAST: Duration = Duration::from_micros(100);
+/// So many tell how fast they come.
+const COUNTED: usize = 64;
+/// How long a bunch is waited for. Fewer come meanwhile than may wait to be heard.
+const BUNCH: Duration = Duration::from_millis(1);
+
+/// How fast messages come.
+struct Pace {
+    since: Instant,
+    heard: usize,
+    is_fast: bool,
+}
+
+impl Default for Pace {
+    fn default() -> Self {
+        Self { since: Instant::now(), heard: 0, is_fast: false }
+    }
+}
+
+impl Pace {
+    /// So many more were heard; waits where many come.
+    fn heard(&mut self, more: usize) {
+        self.heard += more;
+        if self.heard >= COUNTED {
+            let is_fast = self.since.elapsed() < FAST * self.heard as u32;
+            *self = Self { is_fast, ..Self::default() };
+        }
+        if self.is_fast {
+            thread::sleep(BUNCH);
+        }
     }
 }
 

@@ -28,6 +28,7 @@ pub struct Session<'a> {
     courses: bool,
     every_trial: bool,
     every_metric: bool,
+    timeless: bool,
     pilot: bool,
     earlier_seeds: Vec<Vec<TriedSeed>>,
     verify: VerifyRuns,
@@ -77,6 +78,7 @@ impl<'a> Session<'a> {
             courses: true,
             every_trial: true,
             every_metric: false,
+            timeless: false,
             pilot: false,
             earlier_seeds: Vec::new(),
             verify: VerifyRuns::default(),
@@ -125,6 +127,11 @@ impl<'a> Session<'a> {
     /// Whether every metric that has a default is measured though nobody sees it: so were runs that an executor has from elsewhere.
     pub fn every_metric(self, every: bool) -> Self {
         Self { every_metric: every, ..self }
+    }
+
+    /// Whether the wall time of trials says nothing, since their runs were made before: then whoever made them has kept their `time_limit`.
+    pub fn timeless(self, timeless: bool) -> Self {
+        Self { timeless, ..self }
     }
 
     /// Whether a few runs of each trial are made before all others, for whoever tells how long everything takes. It changes no result.
@@ -187,6 +194,9 @@ impl<'a> Session<'a> {
             .after_seeds(self.earlier_seeds.clone());
         if self.shows_asked_metrics_only(units, &chosen) {
             runner = runner.measuring_what_is_asked();
+        }
+        if self.timeless {
+            runner = runner.timeless();
         }
         if let Some(folder) = &self.journals {
             runner = runner.journals(folder.clone());

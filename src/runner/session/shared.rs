@@ -6,7 +6,9 @@ use std::sync::{Arc, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::unit::{Unit, Work};
-use crate::experiment::{BlockProgress, Context, EarlierResults, ExperimentError, asked_by, run_block};
+use crate::experiment::{
+    BlockProgress, Context, EarlierResults, ExperimentError, Silent, asked_by, run_block, search_group,
+};
 use crate::plan::PlannedTrial;
 use crate::project::PlannedSuite;
 use crate::run::{
@@ -19,7 +21,7 @@ use results::{
     TrialReport, TrialState, TriedSeed, UnitError, UnitReport,
 };
 use scenario::registry::Registry;
-use scenario::{Block, Case};
+use scenario::{Block, Case, Search};
 use sim::Trace;
 
 /// Given the course of every run of a trial.
@@ -37,6 +39,8 @@ pub struct Runner<'a> {
     files: Arc<dyn Files>,
     stop: Stop,
     watch: Option<&'a RunWatch<'a>>,
+    /// Whether the wall time of trials is measured here.
+    is_timed: bool,
     /// By suite.
     earlier_seeds: Vec<Vec<TriedSeed>>,
 }
@@ -62,6 +66,7 @@ impl<'a> Runner<'a> {
             files: Arc::new(Disk),
             stop,
             watch: None,
+            is_timed: true,
             earlier_seeds: Vec::new(),
         }
     }
@@ -109,6 +114,17 @@ impl<'a> Runner<'a> {
     pub fn watched_by(mut self, watch: &'a RunWatch<'a>) -> Self {
         self.watch = Some(watch);
         self
+    }
+
+    /// Where the wall time of trials says nothing, such as over runs that were made before: no `time_limit` is kept but by those who made them.
+    pub fn timeless(mut self) -> Self {
+        self.is_timed = false;
+        self
+    }
+
+    /// Whether the wall time of trials is measured here.
+    pub(super) fn is_timed(&self) -> bool {
+        self.is_timed
     }
 
     /// With the seeds that each suite was run with before, for reports to say.
@@ -240,6 +256,12 @@ impl<'a> Runner<'a> {
         };
         let key = block.key(&self.suites[suite].suite.name);
         BlockReport { block: block.clone(), key, state, wall_time: begun.elapsed() }
+    }
+
+    /// Makes the runs of a search that are for one of its groups of people.
+    pub(crate) fn search_group(&self, suite: usize, search: &Search, group: usize) {
+        // Whoever searches for all comes to the same error, and tells it.
+        let _ = Panicked::catch(|| search_group(&self.contexts[suite], search, group, &Silent));
     }
 
     /// The report of a trial of which some runs were made, and no more are.

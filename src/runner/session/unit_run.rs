@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 use super::shared::Runner;
 use crate::corpus::{self, case_hash};
 use crate::plan::PlannedTrial;
-use crate::run::{Done, Job, JobFailure, JobPlace, Panicked, Ran, Sequence, departures, programs};
+use crate::run::{Done, Job, JobFailure, JobPlace, Panicked, Ran, RunError, Sequence, departures, programs};
 use results::judge::{self, PerRun, judge, per_run};
 use results::{
     Cut, Outcome, Recorded, RecordedReport, RecordedState, Rerun, RunFault, Skip, TrialReport, TrialState,
@@ -75,6 +75,8 @@ pub struct TrialRun<'s, 'a> {
     number: usize,
     begun: Instant,
     time_limit: Option<Duration>,
+    /// Whether its wall time is measured here; else whoever made its runs has done so.
+    is_timed: bool,
     watch: judge::Watch<'s>,
     outcomes: Vec<Outcome>,
     /// Whether the outcomes are enough, though there could be more.
@@ -100,6 +102,7 @@ impl<'s, 'a> TrialRun<'s, 'a> {
             number: runner.first_runs(suite).number(&trial.scenario, trial.cases.len()),
             begun: Instant::now(),
             time_limit: runner.suites()[suite].plan.time_limit.map(Duration::from_secs_f64),
+            is_timed: runner.is_timed(),
             watch: judge::Watch::new(&trial.trial, runner.requests()),
             outcomes: Vec::with_capacity(trial.certain_runs()),
             trial,
@@ -114,6 +117,10 @@ impl<'s, 'a> TrialRun<'s, 'a> {
         let Done { case, result, .. } = done;
         let ran = match result {
             Ok(ran) => ran,
+            Err(JobFailure::Error(RunError::TimeLimit)) => {
+                let finished = self.outcomes.len() + self.faults.len();
+                return self.over_limit(self.time_limit.unwrap_or_default(), finished);
+            }
             Err(JobFailure::Error(error)) => {
                 let told = format!("{}: {}", case.key, self.runner.told(self.suite, &case, &error));
                 return match error.run_fault(&case.key) {
@@ -172,8 +179,11 @@ impl<'s, 'a> TrialRun<'s, 'a> {
     }
 
     fn keep_limit(&mut self, finished: usize) -> ControlFlow<()> {
-        let over = self.time_limit.filter(|limit| self.begun.elapsed() > *limit);
-        let Some(limit) = over else { return ControlFlow::Continue(()) };
+        let over = self.time_limit.filter(|limit| self.is_timed && self.begun.elapsed() > *limit);
+        over.map_or(ControlFlow::Continue(()), |limit| self.over_limit(limit, finished))
+    }
+
+    fn over_limit(&mut self, limit: Duration, finished: usize) -> ControlFlow<()> {
         let runs = self.trial.cases.len();
         self.breaks(TrialState::NotFinished(Cut::TimeLimit { limit, finished, runs }))
     }

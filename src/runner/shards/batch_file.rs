@@ -161,6 +161,6 @@ fn header(
 /// What came of the run of a line; `None` if the line means something else.
 pub fn stored(line: &[u8], run: &RunDigest) -> Option<StoredRun> {
     let line: RunLine = serde_json::from_slice(line).ok()?;
-    let bytes = from_base64(line.result).filter(|_| line.run == run.to_string())?;
+    let bytes = from_base64(line.result).filter(|_| line.run.parse() == Ok(*run))?;
     StoredRun::from_bytes(&bytes).ok()
 }

@@ -10,10 +10,12 @@ use super::batch_file::{self, AskedProgram, ResultsHeader};
 use super::error::ShardError;
 use super::manifest::{Batches, ManifestReader, ManifestUnit, UnitBatch};
 use super::planned_unit::Planner;
+use super::result_files::ResultFiles;
 use super::slices::{SliceRuns, TrialSlice, run_slices};
-use super::whole_units::run_whole;
+use super::unit_journal::{Resumed, UnitJournal};
+use super::whole_units::{KnownRuns, WholeUnit};
 use crate::run::{Executor, FirstRuns, Panicked, Stop, VerifyRuns};
-use crate::session::UnitKind;
+use crate::session::{UnitKind, with_needs};
 use files::{Disk, Files};
 
 /// What is to be run, by whom and where the results go.
@@ -51,6 +53,10 @@ pub enum BatchProgress<'p> {
         runs: usize,
         /// Wall time.
         took: Duration,
+        /// The trials that took longer than their `time_limit`, which is their result.
+        over_limit: &'p [&'p str],
+        /// Where they are.
+        path: &'p Path,
     },
 }
 
@@ -61,8 +67,10 @@ pub struct Executed {
     pub made: usize,
     /// Files that were there.
     pub skipped: usize,
-    /// Runs that were made.
+    /// Runs of these files.
     pub runs: usize,
+    /// Of them and of what they build on, runs that a worker has left that did not come to its end.
+    pub resumed: usize,
 }
 
 impl Execution<'_> {
@@ -74,26 +82,47 @@ impl Execution<'_> {
         if self.manifest.header().canary != self.canary {
             return Err(ShardError::OtherCanary { path: self.manifest.path().to_path_buf() });
         }
-        let numbers = self.numbers()?;
-        let share = Share {
-            of: self,
-            numbers,
-            batches: Mutex::new(self.manifest.batches()?),
-            state: Mutex::default(),
-        };
-        thread::scope(|scope| {
-            for _ in 1..self.executor.parallelism() {
-                // As many as the system gives: the results do not depend on how many there are.
-                let _ = thread::Builder::new().spawn_scoped(scope, || share.drive(told));
+        let (numbers, levels) = (self.numbers()?, self.levels());
+        let highest = levels.values().copied().max().unwrap_or(0);
+        let mut executed = Executed::default();
+        // What others build on is there before them, if it is of this share.
+        for level in 0..=highest {
+            let level_of = |unit: &ManifestUnit| levels.get(&unit.unit).copied().unwrap_or(0);
+            let is_next = |batch: &UnitBatch| batch.units.iter().map(level_of).max() == Some(level);
+            let share = Share {
+                of: self,
+                numbers: &numbers,
+                is_next: &is_next,
+                batches: Mutex::new(self.manifest.batches()?),
+                state: Mutex::new(State { executed, failed: None }),
+            };
+            thread::scope(|scope| {
+                for _ in 1..self.executor.parallelism() {
+                    // As many as the system gives: the results do not depend on how many there are.
+                    let _ = thread::Builder::new().spawn_scoped(scope, || share.drive(told));
+                }
+                share.drive(told);
+            });
+            let state = share.state.into_inner().unwrap_or_else(PoisonError::into_inner);
+            match state.failed {
+                Some(error) => return Err(error),
+                None if self.stop.is_requested() => return Err(ShardError::Stopped),
+                None => executed = state.executed,
             }
-            share.drive(told);
-        });
-        let State { executed, failed } = share.state.into_inner().unwrap_or_else(PoisonError::into_inner);
-        match failed {
-            Some(error) => Err(error),
-            None if self.stop.is_requested() => Err(ShardError::Stopped),
-            None => Ok(executed),
         }
+        Ok(executed)
+    }
+
+    /// Of each unit that is no trial, how many others it builds on that build on each other.
+    fn levels(&self) -> HashMap<usize, usize> {
+        let units = self.planner.units;
+        let mut levels = HashMap::new();
+        for unit in units.others() {
+            let of = |need: &usize| 1 + levels.get(need).copied().unwrap_or(0);
+            let level = units.needs(unit).iter().map(of).max().unwrap_or(0);
+            levels.insert(unit, level);
+        }
+        levels
     }
 
     /// Of each unit that is a trial in whose suite programs decide, how many runs of its scenario come before it in the session. A session
@@ -142,9 +171,22 @@ impl Execution<'_> {
 
 struct Share<'s, 'e> {
     of: &'s Execution<'e>,
-    numbers: HashMap<usize, usize>,
+    numbers: &'s HashMap<usize, usize>,
+    /// Whether all that a batch builds on comes before.
+    is_next: &'s (dyn Fn(&UnitBatch) -> bool + Sync),
     batches: Mutex<Batches>,
     state: Mutex<State>,
+}
+
+/// A batch that was made and is not written yet.
+struct MadeBatch {
+    /// Of each unit.
+    results: Vec<SliceRuns>,
+    /// The units that took longer than the `time_limit` of their trial.
+    over_limit: Vec<usize>,
+    journals: Vec<UnitJournal>,
+    /// Runs that came from journals.
+    resumed: usize,
 }
 
 #[derive(Default)]
@@ -166,9 +208,10 @@ impl Share<'_, '_> {
             let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
             match ended {
                 Ok(None) => state.executed.skipped += 1,
-                Ok(Some(runs)) => {
+                Ok(Some((runs, resumed))) => {
                     state.executed.made += 1;
                     state.executed.runs += runs;
+                    state.executed.resumed += resumed;
                 }
                 Err(error) => {
                     // What others say then is that they were stopped.
@@ -186,15 +229,16 @@ impl Share<'_, '_> {
         if self.of.stop.is_requested() {
             return None;
         }
-        batches.find(|batch| batch.as_ref().map_or(true, |batch| (self.of.mine)(batch.number, &batch.id)))
+        let is_own = |batch: &UnitBatch| (self.of.mine)(batch.number, &batch.id) && (self.is_next)(batch);
+        batches.find(|batch| batch.as_ref().map_or(true, is_own))
     }
 
-    /// How many runs were made; `None` if the results were there.
+    /// How many runs there are now, and how many a worker before has left; `None` if the results were there.
     fn batch(
         &self,
         batch: &UnitBatch,
         told: &(dyn Fn(&UnitBatch, BatchProgress) + Sync),
-    ) -> Result<Option<usize>, ShardError> {
+    ) -> Result<Option<(usize, usize)>, ShardError> {
         let Execution { manifest, folder, canary, .. } = self.of;
         let path = batch.path(folder);
         if Disk.is_file(&path) && self.of.reuse {
@@ -211,7 +255,7 @@ impl Share<'_, '_> {
             }
         }
         let begun = Instant::now();
-        let results = self.results(batch)?;
+        let MadeBatch { results, over_limit, journals, resumed } = self.results(batch, told)?;
         let header =
             ResultsHeader::new(&batch.id, manifest.header().build.clone(), canary, self.of.programs());
         let written = batch_file::write(&path, &header, batch, &results);
@@ -221,15 +265,29 @@ impl Share<'_, '_> {
                 return Err(ShardError::NotWritten { path, message: error.to_string() });
             }
         }
+        journals.into_iter().for_each(UnitJournal::remove);
         let runs = results.iter().map(Vec::len).sum();
-        told(batch, BatchProgress::Made { runs, took: begun.elapsed() });
-        Ok(Some(runs))
+        let over_limit: Vec<&str> = over_limit.iter().map(|place| &*batch.units[*place].name).collect();
+        told(
+            batch,
+            BatchProgress::Made { runs, took: begun.elapsed(), over_limit: &over_limit, path: &path },
+        );
+        Ok(Some((runs, resumed)))
     }
 
     /// What came of the runs of each unit.
-    fn results(&self, batch: &UnitBatch) -> Result<Vec<SliceRuns>, ShardError> {
-        let Execution { planner, executor, verify, stop, .. } = self.of;
-        let mut results = vec![SliceRuns::new(); batch.units.len()];
+    fn results(
+        &self,
+        batch: &UnitBatch,
+        told: &(dyn Fn(&UnitBatch, BatchProgress) + Sync),
+    ) -> Result<MadeBatch, ShardError> {
+        let Execution { planner, executor, verify, stop, .. } = *self.of;
+        let mut made = MadeBatch {
+            results: vec![SliceRuns::new(); batch.units.len()],
+            over_limit: Vec::new(),
+            journals: Vec::new(),
+            resumed: 0,
+        };
         let mut slices = Vec::new();
         for (place, unit) in batch.units.iter().enumerate() {
             self.check(unit)?;
@@ -239,17 +297,53 @@ impl Share<'_, '_> {
                     let number = number.map(|number| number + first);
                     slices.push(TrialSlice { place, unit: unit.unit, first, runs, number });
                 }
-                None => results[place] = run_whole(planner, *executor, unit.unit, *verify, number, stop)?,
+                None => {
+                    let known = self.known(unit);
+                    if let Some(why) = &known.resumed.notice {
+                        told(batch, BatchProgress::Damaged(why));
+                    }
+                    made.resumed += known.resumed.runs.len();
+                    let group = unit.group;
+                    let whole = WholeUnit { planner, executor, unit: unit.unit, group, verify, number };
+                    let whole = whole.run(known, stop)?;
+                    made.results[place] = whole.runs;
+                    made.journals.push(whole.journal);
+                    made.over_limit.extend(whole.is_over_limit.then_some(place));
+                }
             }
         }
-        let first_runs = FirstRuns::new(*verify);
-        for (place, id, runs) in run_slices(planner, *executor, &first_runs, slices, stop)? {
-            if id.to_string() != batch.units[place].id {
-                return Err(self.other_files(&batch.units[place]));
+        let first_runs = FirstRuns::new(verify);
+        for slice in run_slices(planner, executor, &first_runs, slices, stop)? {
+            if slice.id.to_string() != batch.units[slice.place].id {
+                return Err(self.other_files(&batch.units[slice.place]));
             }
-            results[place] = runs;
+            made.results[slice.place] = slice.runs;
+            made.over_limit.extend(slice.is_over_limit.then_some(slice.place));
         }
-        Ok(results)
+        Ok(made)
+    }
+
+    /// What is known of the runs of a unit, and of those of the units that it builds on. Nothing where a program may be another one by now.
+    fn known(&self, unit: &ManifestUnit) -> KnownRuns {
+        let Execution { planner, manifest, folder, canary, reuse, .. } = *self.of;
+        if !reuse {
+            return KnownRuns::default();
+        }
+        let (units, of) = (planner.units, unit.unit);
+        // How long it takes is known of who makes all of it.
+        let is_timed = !units.is_block(of) && planner.time_limit(of).is_some();
+        let resumed = match is_timed {
+            true => Resumed::default(),
+            false => UnitJournal::open(folder, &unit.id, &manifest.header().build, canary),
+        };
+        let builds = !units.needs(of).is_empty();
+        let needed = builds.then(|| {
+            let mut wanted = vec![false; units.len()];
+            wanted[of] = true;
+            let wanted = with_needs(units, wanted);
+            ResultFiles::of_units(folder, manifest, |one| one != of && wanted.get(one) == Some(&true))
+        });
+        KnownRuns { resumed, needed: needed.flatten() }
     }
 
     /// Whether a unit is what the manifest calls so.
@@ -257,15 +351,19 @@ impl Share<'_, '_> {
         let (planner, of) = (self.of.planner, unit.unit);
         let is_named = of < planner.units.len() && planner.units.key(of) == unit.name;
         let has_runs = |(first, runs): (usize, usize)| {
-            let end = first.saturating_add(runs);
-            matches!(planner.units.kind(of), UnitKind::Trial { .. })
-                && runs > 0
-                && end <= planner.units.runs(of)
+            let (end, all) = (first.saturating_add(runs), planner.units.runs(of));
+            let is_trial = matches!(planner.units.kind(of), UnitKind::Trial { .. });
+            is_trial && runs > 0 && end <= all && (runs == all || planner.time_limit(of).is_none())
+        };
+        let has_group = |group: Option<usize>| match (group, planner.groups(of)) {
+            (Some(group), Some(groups)) => group < groups,
+            (None, groups) => groups.is_none(),
+            (Some(_), None) => false,
         };
         let is_same = is_named
             && match unit.runs {
-                Some(runs) => has_runs(runs),
-                None => planner.whole(of).id.to_string() == unit.id,
+                Some(runs) => unit.group.is_none() && has_runs(runs),
+                None => has_group(unit.group) && planner.whole(of, unit.group).id.to_string() == unit.id,
             };
         if is_same { Ok(()) } else { Err(self.other_files(unit)) }
     }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::build::Build;
 use super::error::ShardError;
-use super::planned_unit::PlannedUnit;
+use super::planned_unit::{PlannedUnit, UnitPart};
 use super::sealed::{SealedReader, SealedWriter, digest_of, parse, parse_first, wrong};
 use crate::session::Units;
 use scenario::TextDigest;
@@ -73,6 +73,9 @@ pub struct ManifestUnit {
     /// The first of its runs and how many they are; `None` for a unit whose runs are decided as they come.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub runs: Option<(usize, usize)>,
+    /// Of a search that is shared out, for which of its groups of people, counted from 0.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub group: Option<usize>,
     /// How long it may take on one core, s.
     pub seconds: f64,
     /// In the session.
@@ -120,16 +123,22 @@ pub fn write_manifest(
     mut planned: Vec<PlannedUnit>,
     units: &Units,
 ) -> std::io::Result<WrittenManifest> {
-    planned.sort_unstable_by_key(|one| (one.id, one.unit, one.first));
+    planned.sort_unstable_by_key(|one| (one.id, one.unit, one.part));
     let seconds = rounded(planned.iter().map(|one| f64::from(one.seconds)).sum());
     let mut file = SealedWriter::create(path)?;
     file.line(&ManifestHeader { units: planned.len(), seconds, ..header })?;
     let (mut batches, mut filling) = (0, Filling::default());
     for one in &planned {
+        let (runs, group) = match one.part {
+            UnitPart::Runs { first, runs } => (Some((first as usize, runs as usize)), None),
+            UnitPart::Group(group) => (None, Some(group as usize)),
+            UnitPart::Whole => (None, None),
+        };
         let unit = ManifestUnit {
             id: one.id.to_string(),
             unit: one.unit as usize,
-            runs: (one.runs > 0).then_some((one.first as usize, one.runs as usize)),
+            runs,
+            group,
             seconds: rounded(f64::from(one.seconds)),
             name: units.key(one.unit as usize),
         };

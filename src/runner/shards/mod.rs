@@ -15,6 +15,7 @@ mod sealed;
 mod slices;
 #[cfg(test)]
 mod tests;
+mod unit_journal;
 mod whole_units;
 
 pub use build::Build;
@@ -25,5 +26,5 @@ pub use manifest::{
     Batches, ManifestHeader, ManifestReader, ManifestUnit, PlannedProgram, UnitBatch, WrittenManifest,
     write_manifest,
 };
-pub use planned_unit::{PlannedUnit, Planner};
+pub use planned_unit::{PlannedUnit, Planner, UnitPart};
 pub use result_files::{ResultFiles, chosen};

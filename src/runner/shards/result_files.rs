@@ -35,6 +35,48 @@ struct RunPlace {
     at: LinePlace,
 }
 
+/// Files that are read one after the other.
+#[derive(Default)]
+struct Reading {
+    paths: Vec<PathBuf>,
+    runs: Vec<RunPlace>,
+    titles: BTreeMap<(String, String), BTreeSet<String>>,
+}
+
+impl Reading {
+    /// Whether there is the file of a batch.
+    fn take(
+        &mut self,
+        folder: &Path,
+        manifest: &ManifestReader,
+        batch: &UnitBatch,
+    ) -> Result<bool, ShardError> {
+        let path = batch.path(folder);
+        if !Disk.is_file(&path) {
+            return Ok(false);
+        }
+        let file = self.paths.len() as u32;
+        let told = |run, at| self.runs.push(RunPlace { run, file, at });
+        let header = batch_file::read(&path, batch, manifest.header(), told)?;
+        for asked in header.programs {
+            self.titles.entry((asked.name, asked.file)).or_default().insert(asked.title);
+        }
+        self.paths.push(path);
+        Ok(true)
+    }
+
+    fn end(self) -> Result<ResultFiles, ShardError> {
+        let Self { paths, mut runs, titles } = self;
+        runs.sort_unstable_by_key(|one| (one.run, one.file, one.at.place));
+        // Several, if it was changed meanwhile, as a session on one machine has it.
+        let title = |titles: BTreeSet<String>| titles.into_iter().collect::<Vec<_>>().join(" / ");
+        let titles = titles.into_iter().map(|(program, all)| (program, title(all))).collect();
+        let all = ResultFiles { paths, runs, open: Mutex::default(), titles };
+        all.check_duplicates()?;
+        Ok(all)
+    }
+}
+
 /// Batches of which there is no file.
 #[derive(Default)]
 struct Missing {
@@ -49,35 +91,35 @@ impl ResultFiles {
     /// # Errors
     /// If any is missing, cut off, of another build, machine or manifest, or if two say different things of one run.
     pub fn open(folder: &Path, manifest: &ManifestReader, command: &str) -> Result<Self, ShardError> {
-        let (mut paths, mut runs) = (Vec::new(), Vec::new());
-        let mut titles: BTreeMap<_, BTreeSet<String>> = BTreeMap::new();
-        let mut missing = Missing::default();
+        let (mut reading, mut missing) = (Reading::default(), Missing::default());
         let mut expected: HashSet<String> = HashSet::new();
         for batch in manifest.batches()? {
             let batch = batch?;
             expected.insert(batch.id.clone());
-            let path = batch.path(folder);
-            if !Disk.is_file(&path) {
+            if !reading.take(folder, manifest, &batch)? {
                 missing.add(&batch);
-                continue;
             }
-            let file = paths.len() as u32;
-            let told = |run, at| runs.push(RunPlace { run, file, at });
-            let header = batch_file::read(&path, &batch, manifest.header(), told)?;
-            for asked in header.programs {
-                titles.entry((asked.name, asked.file)).or_default().insert(asked.title);
-            }
-            paths.push(path);
         }
         foreign(folder, &expected)?;
         missing.check(folder, command)?;
-        runs.sort_unstable_by_key(|one| (one.run, one.file, one.at.place));
-        // Several, if it was changed meanwhile, as a session on one machine has it.
-        let title = |titles: BTreeSet<String>| titles.into_iter().collect::<Vec<_>>().join(" / ");
-        let titles = titles.into_iter().map(|(program, all)| (program, title(all))).collect();
-        let all = Self { paths, runs, open: Mutex::default(), titles };
-        all.check_duplicates()?;
-        Ok(all)
+        reading.end()
+    }
+
+    /// Those of the `wanted` units of the session; `None` if they are not all there and whole.
+    pub fn of_units(
+        folder: &Path,
+        manifest: &ManifestReader,
+        wanted: impl Fn(usize) -> bool,
+    ) -> Option<Self> {
+        let mut reading = Reading::default();
+        for batch in manifest.batches().ok()? {
+            let batch = batch.ok()?;
+            let is_wanted = batch.units.iter().any(|unit| wanted(unit.unit));
+            if is_wanted && !reading.take(folder, manifest, &batch).ok()? {
+                return None;
+            }
+        }
+        reading.end().ok()
     }
 
     /// What the program of a controller that a file declares called itself.

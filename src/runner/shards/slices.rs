@@ -1,6 +1,7 @@
 //! The units of a batch whose runs are known beforehand, side by side.
 
 use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
 
 use super::error::ShardError;
 use super::planned_unit::{Planner, slice_id};
@@ -23,17 +24,27 @@ pub struct TrialSlice {
     pub number: Option<usize>,
 }
 
+/// What came of a slice.
+pub struct SliceResults {
+    /// In the batch.
+    pub place: usize,
+    pub id: RunDigest,
+    pub runs: SliceRuns,
+    /// Whether its trial took longer than its `time_limit`.
+    pub is_over_limit: bool,
+}
+
 /// What came of the runs of one, in their order.
 pub type SliceRuns = Vec<(RunDigest, StoredRun)>;
 
-/// Makes the runs, and returns of each slice its place in the batch, its digest and its runs.
+/// Makes the runs of each slice.
 pub fn run_slices(
     planner: &Planner,
     executor: &dyn Executor,
     first_runs: &FirstRuns,
     slices: Vec<TrialSlice>,
     stop: &Stop,
-) -> Result<Vec<(usize, RunDigest, SliceRuns)>, ShardError> {
+) -> Result<Vec<SliceResults>, ShardError> {
     let wanted = slices.len();
     let mut all =
         Slices { planner, first_runs, waiting: slices.into_iter(), done: Vec::with_capacity(wanted) };
@@ -48,7 +59,7 @@ struct Slices<'s, 'a> {
     planner: &'s Planner<'a>,
     first_runs: &'s FirstRuns,
     waiting: std::vec::IntoIter<TrialSlice>,
-    done: Vec<(usize, RunDigest, SliceRuns)>,
+    done: Vec<SliceResults>,
 }
 
 impl<'s, 'a> Sequences for Slices<'s, 'a> {
@@ -69,15 +80,22 @@ impl<'s, 'a> Sequences for Slices<'s, 'a> {
         };
         let twice = (slice.first..slice.first + slice.runs).filter(is_taken).collect();
         let (planner, asked, done) = (self.planner, Vec::new(), Vec::with_capacity(slice.runs));
-        Some(UnderWay { planner, slice, trial, twice, asked, done })
+        let limit = planner.time_limit(slice.unit);
+        let (begun, is_over_limit) = (Instant::now(), false);
+        Some(UnderWay { planner, slice, trial, twice, asked, done, limit, begun, is_over_limit })
     }
 
-    fn close(&mut self, one: UnderWay<'s, 'a>, taken: usize) {
-        if taken == one.runs() {
-            let UnderWay { slice, done, .. } = one;
-            let id = slice_id(done.iter().take(slice.runs).map(|(run, _)| *run));
-            self.done.push((slice.place, id, done));
+    fn close(&mut self, mut one: UnderWay<'s, 'a>, taken: usize) {
+        if taken < one.runs() && !one.is_over_limit {
+            return;
         }
+        for run in one.done.len()..one.slice.runs {
+            let job = self.planner.job(one.trial.cases.get(one.slice.first + run), Wanted::Outcome);
+            one.done.push((self.planner.digests.of(&job), StoredRun::over_time_limit()));
+        }
+        let UnderWay { slice, done: runs, limit, is_over_limit, .. } = one;
+        let id = slice_id(limit, runs.iter().take(slice.runs).map(|(run, _)| *run));
+        self.done.push(SliceResults { place: slice.place, id, runs, is_over_limit });
     }
 }
 
@@ -90,6 +108,10 @@ struct UnderWay<'s, 'a> {
     /// Of the jobs that were given.
     asked: Vec<(RunDigest, Wanted)>,
     done: SliceRuns,
+    /// Of its trial, of which it is all then.
+    limit: Option<Duration>,
+    begun: Instant,
+    is_over_limit: bool,
 }
 
 impl Sequence for UnderWay<'_, '_> {
@@ -111,6 +133,16 @@ impl Sequence for UnderWay<'_, '_> {
     fn take(&mut self, done: Done) -> ControlFlow<()> {
         let (run, wanted) = self.asked[self.done.len()];
         self.done.push((run, StoredRun::of(wanted, &done.result)));
+        ControlFlow::Continue(())
+    }
+
+    /// As a trial is cut off in a session: between its runs, whose second times do not count.
+    fn between(&mut self, taken: usize) -> ControlFlow<()> {
+        let is_over = |limit: Duration| taken < self.slice.runs && self.begun.elapsed() > limit;
+        if self.limit.is_some_and(is_over) {
+            self.is_over_limit = true;
+            return ControlFlow::Break(());
+        }
         ControlFlow::Continue(())
     }
 }

@@ -151,7 +151,7 @@ fn digests() -> RunDigests {
 
 fn plan(place: &Place, project: &Project, chosen: impl Fn(&str) -> bool) -> ManifestReader {
     let (units, threads, digests) = (units(project.suites()), Threads::new(2), digests());
-    let planner = Planner::new(project, &units, &threads, &digests).unwrap();
+    let planner = Planner::new(project, &units, &threads, &digests);
     let marks: Vec<bool> = units.keys().map(|key| chosen(&key)).collect();
     let marks = crate::session::with_needs(&units, marks);
     let header = ManifestHeader::new(build(), canary(&standard()).unwrap());
@@ -170,8 +170,19 @@ fn execute(
     executor: &dyn Executor,
     mine: &(dyn Fn(usize, &str) -> bool + Sync),
 ) -> Result<Executed, ShardError> {
+    execute_until(place, project, manifest, executor, mine, &Stop::default())
+}
+
+fn execute_until(
+    place: &Place,
+    project: &Project,
+    manifest: &ManifestReader,
+    executor: &dyn Executor,
+    mine: &(dyn Fn(usize, &str) -> bool + Sync),
+    stop: &Stop,
+) -> Result<Executed, ShardError> {
     let (units, digests) = (units(project.suites()), digests());
-    let planner = Planner::new(project, &units, executor, &digests)?;
+    let planner = Planner::new(project, &units, executor, &digests);
     let canary = manifest.header().canary.clone();
     let execution = Execution {
         planner: &planner,
@@ -182,7 +193,7 @@ fn execute(
         mine,
         reuse: true,
         canary: &canary,
-        stop: &Stop::default(),
+        stop,
     };
     execution.run(&|_, _| ())
 }
@@ -208,14 +219,18 @@ impl Executor for Nobody {
 
 fn merge(place: &Place, project: &Project, manifest: &ManifestReader) -> Result<String, String> {
     let results = ResultFiles::open(&place.results(), manifest, "exec").map_err(|error| error.to_string())?;
-    let (stop, digests, nobody) = (Stop::default(), digests(), Nobody(Threads::new(1)));
-    let executor = FromResults::new(&nobody, &digests, &results, AbsentRuns::Refused, &stop);
+    let (digests, nobody) = (digests(), Nobody(Threads::new(1)));
     let chosen = chosen(manifest, &units(project.suites())).map_err(|error| error.to_string())?;
-    let merged = session(project, &executor, Selection::marked(chosen), &stop);
-    match executor.troubles().into_iter().next() {
-        Some(trouble) => Err(trouble),
-        None => Ok(merged),
-    }
+    let merged = |ahead: usize| {
+        let stop = Stop::default();
+        let executor = FromResults::new(&nobody, &digests, &results, AbsentRuns::Refused, &stop);
+        let executor = executor.reading_ahead(ahead);
+        let merged = session(project, &executor, Selection::marked(chosen.clone()), &stop);
+        executor.troubles().into_iter().next().map_or(Ok(merged), Err)
+    };
+    let (one_by_one, ahead) = (merged(0), merged(3));
+    assert_eq!(one_by_one, ahead, "whoever reads ahead asks for no more");
+    one_by_one
 }
 
 fn session(project: &Project, executor: &dyn Executor, selection: Selection, stop: &Stop) -> String {
@@ -248,8 +263,11 @@ fn without_times(value: &mut serde_json::Value) {
 /// The files of results by their names.
 fn files(place: &Place) -> BTreeMap<PathBuf, Vec<u8>> {
     let mut all = BTreeMap::new();
-    for folder in fs::read_dir(place.results()).unwrap() {
-        for file in fs::read_dir(folder.unwrap().path()).unwrap() {
+    for folder in fs::read_dir(place.results()).unwrap().map(Result::unwrap) {
+        if folder.file_name().len() != 2 {
+            continue;
+        }
+        for file in fs::read_dir(folder.path()).unwrap() {
             let path = file.unwrap().path();
             all.insert(path.strip_prefix(place.results()).unwrap().to_path_buf(), fs::read(&path).unwrap());
         }
@@ -463,4 +481,132 @@ fn a_result_of_another_run_is_not_taken() {
     session(&project, &executor, Selection::marked(chosen), &stop);
     let troubles = executor.troubles();
     assert!(troubles.iter().any(|one| one.contains("is of another run")), "{troubles:?}");
+}
+
+/// Counts the runs that it makes, and is stopped after some.
+struct Counting {
+    threads: Threads,
+    made: AtomicUsize,
+    most: usize,
+    stop: Stop,
+}
+
+struct CountedRound<'r> {
+    round: &'r mut dyn Round,
+    of: &'r Counting,
+}
+
+impl Round for CountedRound<'_> {
+    fn next(&mut self) -> Option<crate::run::Job> {
+        let job = self.round.next()?;
+        if self.of.made.fetch_add(1, Ordering::Relaxed) + 1 >= self.of.most {
+            self.of.stop.request();
+        }
+        Some(job)
+    }
+
+    fn done(&mut self, done: crate::run::Done) {
+        self.round.done(done);
+    }
+
+    fn is_wanted(&mut self, place: crate::run::JobPlace) -> bool {
+        self.round.is_wanted(place)
+    }
+}
+
+impl Counting {
+    fn new(most: usize) -> Self {
+        Self { threads: Threads::new(1), made: AtomicUsize::new(0), most, stop: Stop::default() }
+    }
+
+    /// Makes all of a manifest that is not there; how many runs it made.
+    fn execute(&self, place: &Place, project: &Project, manifest: &ManifestReader) -> usize {
+        let done = execute_until(place, project, manifest, self, &|_, _| true, &self.stop);
+        assert_eq!(done.is_err(), self.stop.is_requested(), "{done:?}");
+        self.made.load(Ordering::Relaxed)
+    }
+}
+
+impl Executor for Counting {
+    fn run(&self, round: &mut dyn Round) {
+        self.threads.run(&mut CountedRound { round, of: self });
+    }
+
+    fn parallelism(&self) -> usize {
+        1
+    }
+
+    fn host(&self, work: &mut (dyn FnMut() + Send)) {
+        self.threads.host(work);
+    }
+}
+
+/// Of each kind that decides itself which runs it makes.
+#[test]
+fn what_was_made_of_a_unit_is_not_made_again_and_what_is_damaged_is() {
+    for unit in ["found", "everything/open/tta=12s", "rarely"] {
+        let place = Place::new();
+        // Without the gate, which has all runs made.
+        let text = fs::read_to_string(&place.files[0]).unwrap();
+        let gate = text.find("  gate braking").unwrap();
+        let after = gate + text[gate..].find('\n').unwrap();
+        fs::write(&place.files[0], format!("{}{}", &text[..gate], &text[after..])).unwrap();
+        let project = place.project();
+        let manifest = plan(&place, &project, |key| key.ends_with(unit));
+        let all = Counting::new(usize::MAX).execute(&place, &project, &manifest);
+        let made = files(&place);
+        let half = all / 2;
+        let journals = || -> Vec<PathBuf> {
+            let found = fs::read_dir(place.results().join("journal")).unwrap();
+            found.map(|file| file.unwrap().path()).collect()
+        };
+        assert!(half > 2 && journals().is_empty(), "{unit}: {all}");
+        for damage in [false, true] {
+            fs::remove_dir_all(place.results()).unwrap();
+            let before = Counting::new(half).execute(&place, &project, &manifest);
+            let [journal] = &journals()[..] else { panic!("{unit}: a journal is left") };
+            assert!(files(&place).is_empty() && before >= half);
+            if damage {
+                let mut bytes = fs::read(journal).unwrap();
+                let middle = bytes.len() / 2;
+                bytes[middle] ^= 1;
+                fs::write(journal, bytes).unwrap();
+            }
+            let rest = Counting::new(usize::MAX).execute(&place, &project, &manifest);
+            assert_eq!(before + rest, if damage { before + all } else { all }, "{unit}");
+            assert_eq!(files(&place), made, "{unit}");
+            assert!(journals().is_empty());
+        }
+    }
+}
+
+#[test]
+fn what_others_have_made_is_built_on() {
+    let place = Place::new();
+    let project = place.project();
+    let count = |chosen: &str| {
+        let manifest = plan(&place, &project, |key| key.ends_with(chosen));
+        Counting::new(usize::MAX).execute(&place, &project, &manifest)
+    };
+    let search = count("found");
+    fs::remove_dir_all(place.results()).unwrap();
+    // The tune, with the search before it.
+    let both = count("good");
+    let made = files(&place);
+    let manifest = plan(&place, &project, |key| key.ends_with("good"));
+    let batches: Vec<UnitBatch> = manifest.batches().unwrap().map(Result::unwrap).collect();
+    let tune = batches.iter().find(|batch| batch.units[0].name.ends_with("good")).unwrap();
+    fs::remove_file(tune.path(&place.results())).unwrap();
+    let again = count("good");
+    assert!(search > 0 && again > 0);
+    assert_eq!(again + search, both);
+    assert_eq!(files(&place), made);
+    // Where the search is not there, it is made for the tune alone, which comes to the same.
+    assert_eq!(batches.len(), 2);
+    for batch in &batches {
+        fs::remove_dir_all(place.results()).unwrap();
+        execute(&place, &project, &manifest, &Threads::new(2), &|_, id| id == batch.id).unwrap();
+        let alone = files(&place);
+        assert!(alone.len() == 1 && alone.iter().all(|(name, bytes)| made[name] == *bytes));
+    }
 }
