@@ -182,9 +182,8 @@ def cancelled(program, folder, cluster):
 
 def begin_to_kill_a_node(program, folder, cluster):
     tasks = Tasks(folder, "node")
-    # So long that none has come to its end when the node is killed, however busy the machine is.
     for _ in range(4):
-        tasks.add(30)
+        tasks.add(12)
     tasks.add(0.1, code=7)
     driver = Driver(program, "slurm", tasks, **sets_up(cluster))
     until(lambda: len(tasks.noted("begun")) >= 4, 30, "four tasks begin")
