@@ -13,7 +13,10 @@ use super::rounds::{EvaluateRound, Optimisation, optimise};
 use super::searched::{FRESH_RUNS, Searched, SearchedPeople, named_at};
 use numbers::random::derive_seed;
 use numbers::summary::mean;
-use optimise::{self, Definition, Evaluation, Fitted, Margin, Method, ObjectiveValue, Optimiser, Proposal};
+use optimise::{
+    self, Coordinate, Definition, Evaluation, Fitted, Margin, Method, ObjectiveValue, Optimiser, Proposal,
+    SlicePoint,
+};
 use results::{
     CaseRun, CoursePoint, Found, FrontPoint, MetricCourse, Outcome, SavedCase, SavedSet, SearchResult,
     UsualEncounters,
@@ -49,6 +52,12 @@ pub fn run_search(
     progress: &dyn BlockProgress,
 ) -> Result<SearchResult, ExperimentError> {
     run_groups(context, search, None, progress)
+}
+
+/// What is believed along each dimension through a point; an empty slice where no surrogate can be fitted.
+pub fn slices(fitted: Option<&Fitted>, through: &[Coordinate]) -> Vec<Vec<SlicePoint>> {
+    let along = |dimension| fitted?.surrogate_slice(dimension, through, SLICE_STEPS).ok();
+    (0..through.len()).map(|dimension| along(dimension).unwrap_or_default()).collect()
 }
 
 /// The search for one of several groups of people alone: all runs that a search for all makes for it, and maybe more, since of all only the worst
@@ -288,10 +297,7 @@ impl Under<'_> {
         let predictions = fitted.as_ref().map(Fitted::predictions).unwrap_or_default();
         found.predicted =
             predictions.iter().find(|one| one.point == best.point).map(|one| (one.mean, one.deviation));
-        for dimension in 0..self.search.over.len() {
-            let slice = fitted.as_ref().map(|one| one.surrogate_slice(dimension, &best.point, SLICE_STEPS));
-            found.slices.push(slice.and_then(Result::ok).unwrap_or_default());
-        }
+        found.slices = slices(fitted.as_ref(), &best.point);
         found
     }
 

@@ -7,14 +7,11 @@ use super::earlier::EarlierResults;
 use super::error::ExperimentError;
 use super::overrides;
 use super::rounds::{EvaluateRound, Optimisation, optimise};
-use super::search::definition;
+use super::search::{self, definition};
 use numbers::random::derive_seed;
 use optimise::{self, Evaluation, Fitted, Margin, ObjectiveValue, Optimiser, Proposal};
 use results::{BeforeAndAfter, Candidate, Outcome, SavedCase, TuneResult, Violations};
 use scenario::{Case, Goal, Objective, SearchRange, ShownIn, Target, Tune, Value};
-
-/// Points of a slice through the surrogate.
-const SLICE_STEPS: usize = 101;
 
 /// Cases of a candidate that may run ahead of the search for a violation. What comes after one is not counted, so that this
 /// number changes nothing but the time it takes.
@@ -186,11 +183,7 @@ impl Under<'_> {
         let mut slices = Vec::new();
         let mut comparison = None;
         if let Some(best) = chosen {
-            for dimension in 0..tune.over.len() {
-                let slice =
-                    fitted.as_ref().map(|one| one.surrogate_slice(dimension, &best.point, SLICE_STEPS));
-                slices.push(slice.and_then(Result::ok).unwrap_or_default());
-            }
+            slices = search::slices(fitted.as_ref(), &best.point);
             if tune.compare_with_default {
                 comparison = Some(self.compare(&overrides::settings(&tune.over, &best.point))?);
             }

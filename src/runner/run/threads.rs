@@ -115,7 +115,7 @@ impl<'c, 'r: 'c> Call<'c, 'r> {
     /// Makes a run, and then others, until there are no more or others are to have the thread.
     fn work(self, first: Job, scope: &Scope<'c>) {
         let mut jobs = vec![first];
-        let mut pace = Pace::default();
+        let mut pace = RunPace::default();
         loop {
             let programs = jobs.last().and_then(|last| self.programs(last));
             let asking = programs.and_then(|programs| Some((jobs.pop()?, programs)));
@@ -157,8 +157,8 @@ impl<'c, 'r: 'c> Call<'c, 'r> {
 
 /// How many runs a thread makes before it looks for more. Runs of microseconds would mostly wait for each other's turn.
 #[derive(Default)]
-struct Pace {
-    /// What a run took on average, s; 0 before the first.
+struct RunPace {
+    /// What a run of the last ones took, s; 0 before the first.
     run: f64,
 }
 
@@ -168,7 +168,7 @@ const TURN: f64 = 0.000_5;
 /// However short they are.
 const MOST_AT_ONCE: f64 = 32.0;
 
-impl Pace {
+impl RunPace {
     fn took(&mut self, time: Duration, runs: usize) {
         if runs > 0 {
             self.run = time.as_secs_f64() / runs as f64;
@@ -213,7 +213,7 @@ mod tests {
     #[test]
     fn only_short_runs_are_taken_several_at_a_time() {
         let at_once = |run: Duration| {
-            let mut pace = Pace::default();
+            let mut pace = RunPace::default();
             pace.took(run * 4, 4);
             // Nothing was made, as where a program decides in the only run.
             pace.took(Duration::from_secs(1), 0);

@@ -81,7 +81,7 @@ impl<'a> Runner<'a> {
                 }
             }
             drop(sender);
-            let mut pace = Pace::default();
+            let mut pace = MessagePace::default();
             loop {
                 match receiver.recv_timeout(TICK) {
                     Ok(message) => {
@@ -120,19 +120,19 @@ const COUNTED: usize = 64;
 const BUNCH: Duration = Duration::from_millis(1);
 
 /// How fast messages come.
-struct Pace {
+struct MessagePace {
     since: Instant,
     heard: usize,
     is_fast: bool,
 }
 
-impl Default for Pace {
+impl Default for MessagePace {
     fn default() -> Self {
         Self { since: Instant::now(), heard: 0, is_fast: false }
     }
 }
 
-impl Pace {
+impl MessagePace {
     /// So many more were heard; waits where many come.
     fn heard(&mut self, more: usize) {
         self.heard += more;
@@ -364,39 +364,6 @@ struct RunUnits<'s, 'c, 'a> {
 struct Under<'s, 'a> {
     unit: usize,
     run: UnitRun<'s, 'a>,
-    done: Arc<RunsDone<'s>>,
-}
-
-/// Runs that are done, told together where they are many: whoever hears it would wake up for each.
-struct RunsDone<'s> {
-    unit: usize,
-    sender: &'s SyncSender<Message>,
-    /// How many are not told yet, and when those before were.
-    untold: Mutex<(usize, Instant)>,
-}
-
-/// The time in which they are told together: less than anybody sees.
-const TOGETHER: Duration = Duration::from_millis(20);
-
-impl RunsDone<'_> {
-    fn another(&self) {
-        let mut untold = self.untold.lock().unwrap_or_else(PoisonError::into_inner);
-        untold.0 += 1;
-        if untold.1.elapsed() >= TOGETHER {
-            self.tell(&mut untold);
-        }
-    }
-
-    fn tell_rest(&self) {
-        self.tell(&mut self.untold.lock().unwrap_or_else(PoisonError::into_inner));
-    }
-
-    fn tell(&self, (runs, told): &mut (usize, Instant)) {
-        if *runs > 0 {
-            send(self.sender, Message::RunsDone { unit: self.unit, runs: std::mem::take(runs) });
-            *told = Instant::now();
-        }
-    }
 }
 
 impl Sequence for Under<'_, '_> {
@@ -425,19 +392,15 @@ impl<'s, 'c, 'a> Sequences for RunUnits<'s, 'c, 'a> {
         let sender = self.sender;
         send(sender, Message::Begun(unit));
         let mut told_before = self.coordinator.told.get(&unit).copied().unwrap_or(0);
-        let untold = Mutex::new((0, Instant::now()));
-        let done = Arc::new(RunsDone { unit, sender, untold });
-        let another = Arc::clone(&done);
         let told = Box::new(move || match told_before.checked_sub(1) {
             Some(left) => told_before = left,
-            None => another.another(),
+            None => send(sender, Message::RunDone(unit)),
         });
         let run = self.coordinator.runner.begin(self.coordinator.units.get(unit), told);
-        Some(Under { unit, run: run.expect("it is no block"), done })
+        Some(Under { unit, run: run.expect("it is no block") })
     }
 
-    fn close(&mut self, Under { unit, run, done }: Under<'s, 'a>, taken: usize) {
-        done.tell_rest();
+    fn close(&mut self, Under { unit, run }: Under<'s, 'a>, taken: usize) {
         self.coordinator.end(unit, run.report(taken), self.sender);
     }
 }

@@ -16,7 +16,7 @@ use scenario::{Block, Goal, Suite};
 /// What is told while units run.
 pub enum Message {
     Begun(usize),
-    RunsDone { unit: usize, runs: usize },
+    RunDone(usize),
     Evaluated { unit: usize, done: usize, all: usize, value: Option<f64>, within: Option<(f64, f64)> },
     Finished { unit: usize, report: UnitReport, off: Vec<(usize, Off)> },
     Stopping(Stopping),
@@ -86,7 +86,7 @@ impl<'t, 'a> Reporting<'t, 'a> {
                 let (key, runs) = (&*self.units.key(unit), self.units.runs(unit));
                 self.reporter.tell(&Event::UnitBegun { unit, key, runs });
             }
-            Message::RunsDone { unit, runs } => (0..runs).for_each(|_| self.tell(&Event::RunDone { unit })),
+            Message::RunDone(unit) => self.tell(&Event::RunDone { unit }),
             Message::Evaluated { unit, done, all, value, within } => {
                 let best = self.best(unit, value);
                 self.tell(&Event::Evaluated { unit, evaluations: Evaluations { done, all, best, within } });
