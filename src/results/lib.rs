@@ -41,6 +41,7 @@ mod tune;
 mod unit_error;
 mod verdict;
 mod written_counts;
+mod written_criticals;
 mod written_details;
 
 /// Everything that became of a session. Every report is a function of it.

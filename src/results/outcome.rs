@@ -30,7 +30,7 @@ pub struct Outcome {
     pub metrics: Vec<Option<f64>>,
     /// When and for whom metrics had these values, of those for which there is something to say and that somebody may
     /// still ask for.
-    #[serde(default, skip_serializing_if = "ByMetric::is_empty")]
+    #[serde(default, skip_serializing_if = "ByMetric::is_empty", with = "super::written_criticals")]
     pub critical: ByMetric<Critical>,
     /// What each pedestrian did at all.
     #[serde(default)]
@@ -77,6 +77,11 @@ impl<T> ByMetric<T> {
         self.0.iter().find(|(known, _)| *known == index).map(|(_, value)| value)
     }
 
+    /// What is known, with the indices of the metrics.
+    pub(super) fn known(&self) -> &[(usize, T)] {
+        &self.0
+    }
+
     /// Whether nothing is known of any metric.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
@@ -90,6 +95,13 @@ impl<T> ByMetric<T> {
 impl<T> Default for ByMetric<T> {
     fn default() -> Self {
         Self(Box::default())
+    }
+}
+
+/// With the indices of the metrics.
+impl<T> FromIterator<(usize, T)> for ByMetric<T> {
+    fn from_iter<I: IntoIterator<Item = (usize, T)>>(known: I) -> Self {
+        Self(known.into_iter().collect())
     }
 }
 

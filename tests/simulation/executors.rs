@@ -1,7 +1,8 @@
 //! Executors change nothing: trials, searches, tunes, evaluations, gates and shrinking come to the same, byte for byte, on any
 //! number of threads, whatever comes first, in any order of completion, and through bytes as to and from other processes; errors and panics,
-//! too.
+//! too. So do the suites that ship, to the committed fingerprint.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
@@ -10,7 +11,7 @@ use models::standard;
 use results::judge::per_run;
 use results::{TrialState, Unheard, Verdict};
 use runner::plan::plan;
-use runner::project::PlannedSuite;
+use runner::project::{PlannedSuite, Project};
 use runner::run::{Executor, Serialised, Shuffled, Stop, Threads, note_places};
 use runner::session::{Orders, Runner, judge_gates, measured_trials, units};
 use runner::shrink::{KnobPlace, shrink};
@@ -242,12 +243,85 @@ fn executors_change_nothing() {
         ("bytes".into(), Box::new(Serialised::new(Threads::new(2), registry()))),
         ("bytes in another order".into(), Box::new(Serialised::new(Shuffled::seeded(3), registry()))),
     ];
-    let executors = [2, 5].map(threads).into_iter().chain((0..3).map(shuffled)).chain(serialised);
+    let executors = [2, 16].map(threads).into_iter().chain((0..3).map(shuffled)).chain(serialised);
     let firsts: [fn(usize) -> bool; 3] = [|_| false, |unit| unit % 2 == 1, |unit| unit > 6];
     for ((name, executor), is_first) in executors.zip(firsts.into_iter().cycle()) {
         let (all, same) = run_by(&*executor, folder.path(), is_first);
         let differing = alone.lines().zip(all.lines()).find(|(left, right)| left != right);
         assert_eq!(differing, None, "with {name}");
         assert!(alone == all && shrunk == same, "with {name}");
+    }
+}
+
+/// Every run of a suite that ships, and each of its blocks, with its fingerprint.
+fn fingerprints(executor: &dyn Executor, file: &str) -> BTreeMap<String, u64> {
+    let project =
+        Project::open(Path::new(file), &standard(), &Disk).unwrap_or_else(|error| panic!("{error}"));
+    let session = Runner::new(project.suites(), executor, &standard());
+    let units = units(project.suites());
+    let chosen = vec![true; units.len()];
+    let orders = Orders {
+        chosen: &chosen,
+        first: &chosen,
+        max_failures: None,
+        every_trial: true,
+        memory: None,
+        lenient: false,
+        pilot: false,
+    };
+    let reports = session.run(&units, &orders, &mut Unheard).remove(0);
+    let runs = reports.trials.iter().flat_map(|trial| &trial.outcomes);
+    let runs = runs.map(|outcome| (outcome.key.to_string(), outcome.fingerprint));
+    let blocks = reports.blocks.iter().map(|block| {
+        let result = block.result().unwrap_or_else(|| panic!("{} comes to nothing", block.key));
+        (block.key.to_string(), result.fingerprint())
+    });
+    runs.chain(blocks).collect()
+}
+
+/// Those that are committed. What differs between targets is compared where it was recorded.
+fn committed(file: &str) -> BTreeMap<String, u64> {
+    let target = format!("{}-{}", std::env::consts::ARCH, std::env::consts::OS);
+    let path = Path::new("tests/fingerprints").join(target).join(format!("{}.txt", file.replace('/', "-")));
+    let text = fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let line = |line: &str| {
+        let (bits, key) = line.split_once(' ').expect("a fingerprint and a name");
+        (key.to_string(), u64::from_str_radix(bits, 16).expect("hexadecimal digits"))
+    };
+    text.lines().map(line).filter(|(key, _)| !key.starts_with("metric ")).collect()
+}
+
+#[test]
+#[cfg_attr(
+    not(all(target_arch = "x86_64", target_os = "linux")),
+    ignore = "nothing is recorded for this target"
+)]
+fn suites_that_ship_keep_their_bits_over_threads_and_orders() {
+    let quick = [
+        "zebra",
+        "zebra_unsafe",
+        "un_r152",
+        "fmvss_127",
+        "un_r157",
+        "euro_ncap_vru",
+        "euro_ncap_robustness",
+        "streets",
+        "matrix",
+        "nhtsa_precrash",
+    ];
+    let executors: [(&str, Box<dyn Executor>); 5] = [
+        ("1 thread", Box::new(Threads::new(1))),
+        ("2 threads", Box::new(Threads::new(2))),
+        ("3 threads", Box::new(Threads::new(3))),
+        ("16 threads", Box::new(Threads::new(16))),
+        ("a random order", Box::new(Shuffled::seeded(11))),
+    ];
+    let compare = |name: &str, executor: &dyn Executor, suite: &str| {
+        let file = format!("suites/{suite}.suite");
+        let (found, kept) = (fingerprints(executor, &file), committed(&file));
+        assert!(!kept.is_empty() && found == kept, "{file} with {name}");
+    };
+    for (name, executor) in &executors {
+        quick.iter().for_each(|suite| compare(name, &**executor, suite));
     }
 }

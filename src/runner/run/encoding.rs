@@ -55,7 +55,7 @@ pub struct EncodedBy {
 
 impl EncodedBy {
     /// The layout of these bytes.
-    const LAYOUT: u32 = 1;
+    const LAYOUT: u32 = 2;
 
     /// This program.
     pub fn here() -> Self {
@@ -348,10 +348,10 @@ mod tests {
         let job = rmp_serde::to_vec_named(&job()).unwrap();
         let newer = EncodedBy { version: "77.0.0".into(), ..here.clone() };
         let wanted =
-            format!("these bytes are a job of scenario-runner 77.0.0 (layout 1), and this is {here}");
+            format!("these bytes are a job of scenario-runner 77.0.0 (layout 2), and this is {here}");
         assert_eq!((told(&newer, &job), told(&newer, b"whatever")), (wanted.clone(), wanted));
-        let laid_out = told(&EncodedBy { layout: 2, ..here.clone() }, &job);
-        assert!(laid_out.contains(&format!("scenario-runner {} (layout 2)", here.version)), "{laid_out}");
+        let laid_out = told(&EncodedBy { layout: 1, ..here.clone() }, &job);
+        assert!(laid_out.contains(&format!("scenario-runner {} (layout 1)", here.version)), "{laid_out}");
         // What was written before that stood there.
         let read = Job::from_bytes(&job, &standard()).map(|_| ()).unwrap_err();
         assert!(matches!(read, DecodingError::Malformed { what: "job", .. }), "{read}");

@@ -46,7 +46,7 @@ pub trait Sequences: Send {
 /// Runs sequences until none is left, or somebody wishes to stop; those that have begun by then are closed with the runs that
 /// came to their end.
 pub fn run_sequences(executor: &dyn Executor, sequences: &mut impl Sequences, stop: &Stop) {
-    let mut side_by_side = SideBySide { sequences, open: BTreeMap::new(), opened: 0, stop };
+    let mut side_by_side = SideBySide { sequences, open: BTreeMap::new(), opened: 0, begun_below: 0, stop };
     executor.run(&mut side_by_side);
     for (_, Open { one, taken, .. }) in std::mem::take(&mut side_by_side.open) {
         side_by_side.sequences.close(one, taken);
@@ -57,6 +57,8 @@ struct SideBySide<'s, S: Sequences> {
     sequences: &'s mut S,
     open: BTreeMap<usize, Open<S::One>>,
     opened: usize,
+    /// All runs of those before this one were begun.
+    begun_below: usize,
     stop: &'s Stop,
 }
 
@@ -77,7 +79,9 @@ impl<S: Sequences> SideBySide<'_, S> {
     fn begin(&mut self) -> Option<Job> {
         let mut over = Vec::new();
         let mut job = None;
-        for (number, open) in &mut self.open {
+        let all_begun = self.open.range(self.begun_below..).take_while(|(_, open)| open.begun == open.runs);
+        self.begun_below = all_begun.last().map_or(self.begun_below, |(number, _)| number + 1);
+        for (number, open) in self.open.range_mut(self.begun_below..) {
             if open.begun == open.runs || open.begun - open.taken >= open.one.ahead() {
                 continue;
             }

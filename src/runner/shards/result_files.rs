@@ -5,9 +5,11 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use super::batch_file::{self, LinePlace};
+use rayon::prelude::*;
+
+use super::batch_file::{self, AskedProgram, LinePlace};
 use super::error::ShardError;
-use super::manifest::{ManifestReader, UnitBatch};
+use super::manifest::{ManifestHeader, ManifestReader, ManifestUnit, UnitBatch};
 use super::sealed::wrong;
 use crate::run::{RunDigest, RunResults, StoredRun};
 use crate::session::Units;
@@ -35,7 +37,7 @@ struct RunPlace {
     at: LinePlace,
 }
 
-/// Files that are read one after the other.
+/// Files that were read, in the order of their batches.
 #[derive(Default)]
 struct Reading {
     paths: Vec<PathBuf>,
@@ -44,25 +46,14 @@ struct Reading {
 }
 
 impl Reading {
-    /// Whether there is the file of a batch.
-    fn take(
-        &mut self,
-        folder: &Path,
-        manifest: &ManifestReader,
-        batch: &UnitBatch,
-    ) -> Result<bool, ShardError> {
-        let path = batch.path(folder);
-        if !Disk.is_file(&path) {
-            return Ok(false);
-        }
+    /// Adds what the file of a batch says.
+    fn add(&mut self, ReadBatch { path, runs, programs }: ReadBatch) {
         let file = self.paths.len() as u32;
-        let told = |run, at| self.runs.push(RunPlace { run, file, at });
-        let header = batch_file::read(&path, batch, manifest.header(), told)?;
-        for asked in header.programs {
+        self.runs.extend(runs.into_iter().map(|(run, at)| RunPlace { run, file, at }));
+        for asked in programs {
             self.titles.entry((asked.name, asked.file)).or_default().insert(asked.title);
         }
         self.paths.push(path);
-        Ok(true)
     }
 
     fn end(self) -> Result<ResultFiles, ShardError> {
@@ -74,6 +65,48 @@ impl Reading {
         let all = ResultFiles { paths, runs, open: Mutex::default(), titles };
         all.check_duplicates()?;
         Ok(all)
+    }
+}
+
+/// What the file of a batch says.
+struct ReadBatch {
+    path: PathBuf,
+    runs: Vec<(RunDigest, LinePlace)>,
+    programs: Vec<AskedProgram>,
+}
+
+impl ReadBatch {
+    /// `None` if there is no file of the batch.
+    fn of(folder: &Path, batch: &UnitBatch, manifest: &ManifestHeader) -> Result<Option<Self>, ShardError> {
+        let path = batch.path(folder);
+        if !Disk.is_file(&path) {
+            return Ok(None);
+        }
+        let mut runs = Vec::new();
+        let header = batch_file::read(&path, batch, manifest, |run, at| runs.push((run, at)))?;
+        Ok(Some(Self { path, runs, programs: header.programs }))
+    }
+}
+
+/// Looks at the `wanted` batches of a manifest side by side, and tells of each in its order.
+fn look_at<T: Send>(
+    manifest: &ManifestReader,
+    wanted: impl Fn(&UnitBatch) -> bool,
+    look: impl Fn(&UnitBatch) -> Result<T, ShardError> + Sync,
+    mut told: impl FnMut(UnitBatch, T),
+) -> Result<(), ShardError> {
+    let mut batches = manifest.batches()?.filter(|batch| batch.as_ref().map_or(true, &wanted));
+    loop {
+        // So few that of a large manifest little is held.
+        let some: Vec<UnitBatch> =
+            batches.by_ref().take(2 * rayon::current_num_threads()).collect::<Result<_, _>>()?;
+        if some.is_empty() {
+            return Ok(());
+        }
+        let seen: Vec<_> = some.par_iter().map(&look).collect();
+        for (batch, seen) in some.into_iter().zip(seen) {
+            told(batch, seen?);
+        }
     }
 }
 
@@ -93,13 +126,15 @@ impl ResultFiles {
     pub fn open(folder: &Path, manifest: &ManifestReader, command: &str) -> Result<Self, ShardError> {
         let (mut reading, mut missing) = (Reading::default(), Missing::default());
         let mut expected: HashSet<String> = HashSet::new();
-        for batch in manifest.batches()? {
-            let batch = batch?;
-            expected.insert(batch.id.clone());
-            if !reading.take(folder, manifest, &batch)? {
-                missing.add(&batch);
+        let look = |batch: &UnitBatch| ReadBatch::of(folder, batch, manifest.header());
+        let told = |batch: UnitBatch, read: Option<ReadBatch>| {
+            match read {
+                Some(read) => reading.add(read),
+                None => missing.add(&batch),
             }
-        }
+            expected.insert(batch.id);
+        };
+        look_at(manifest, |_| true, look, told)?;
         foreign(folder, &expected)?;
         missing.check(folder, command)?;
         reading.end()
@@ -111,14 +146,14 @@ impl ResultFiles {
         manifest: &ManifestReader,
         wanted: impl Fn(usize) -> bool,
     ) -> Option<Self> {
-        let mut reading = Reading::default();
-        for batch in manifest.batches().ok()? {
-            let batch = batch.ok()?;
-            let is_wanted = batch.units.iter().any(|unit| wanted(unit.unit));
-            if is_wanted && !reading.take(folder, manifest, &batch).ok()? {
-                return None;
-            }
-        }
+        let (mut reading, mut are_there) = (Reading::default(), true);
+        let is_wanted = |batch: &UnitBatch| batch.units.iter().any(|unit| wanted(unit.unit));
+        let look = |batch: &UnitBatch| ReadBatch::of(folder, batch, manifest.header());
+        let told = |_, read| match read {
+            Some(read) => reading.add(read),
+            None => are_there = false,
+        };
+        look_at(manifest, is_wanted, look, told).ok().filter(|()| are_there)?;
         reading.end().ok()
     }
 
@@ -227,15 +262,15 @@ fn foreign(folder: &Path, expected: &HashSet<String>) -> Result<(), ShardError> 
 /// If the session has no such units, as its files have changed.
 pub fn chosen(manifest: &ManifestReader, units: &Units) -> Result<Vec<bool>, ShardError> {
     let mut chosen = vec![false; units.len()];
-    for batch in manifest.batches()? {
-        for unit in batch?.units {
-            if unit.unit >= units.len() || units.key(unit.unit) != unit.name {
-                let message =
-                    format!("there is no {} any more: the files of the manifest have changed", unit.name);
-                return Err(ShardError::OtherFiles { message });
-            }
-            chosen[unit.unit] = true;
+    let is_other = |unit: &&ManifestUnit| unit.unit >= units.len() || units.key(unit.unit) != unit.name;
+    let look = |batch: &UnitBatch| match batch.units.iter().find(is_other) {
+        None => Ok(()),
+        Some(ManifestUnit { name, .. }) => {
+            let message = format!("there is no {name} any more: the files of the manifest have changed");
+            Err(ShardError::OtherFiles { message })
         }
-    }
+    };
+    let told = |batch: UnitBatch, ()| batch.units.iter().for_each(|unit| chosen[unit.unit] = true);
+    look_at(manifest, |_| true, look, told)?;
     Ok(chosen)
 }
