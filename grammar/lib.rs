@@ -12,6 +12,10 @@ pub mod scn {
     #[derive(Parser)]
     #[grammar = "scn.pest"]
     pub struct Grammar;
+
+    pub use reader::{RuleSpan, read};
+
+    mod reader;
 }
 
 /// Filters of runs and trials, `filter.pest`.

@@ -1,6 +1,6 @@
 //! `scenario-runner list`: the scenarios, blocks, ratings and gates of suites, with tags and counts.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
 use clap::{Args, ValueEnum};
@@ -13,7 +13,7 @@ use files::Disk;
 use lang::filter::{SCENARIO, Show, Subject};
 use lang::{self, Style};
 use report::console::{stderr, stdout};
-use runner::plan::{self, Plan, PlannedTrial};
+use runner::plan::{self, Plan, PlannedTrial, ScenarioPlan};
 use runner::project::plan_notices;
 use scenario::registry::Registry;
 use scenario::{Block, Gate, Origin, Rating, Suite};
@@ -87,9 +87,10 @@ pub fn list(arguments: &ListArguments, registry: &Registry) -> Exit {
     filter::warn(&filters, &each, colour);
     let mut lines = Vec::new();
     for ((file, suite, plan), blocks) in suites.iter().zip(&blocks) {
+        let planned: HashMap<&str, &ScenarioPlan> =
+            plan.scenarios().iter().map(|planned| (planned.scenario().name.as_str(), planned)).collect();
         for scenario in &suite.scenarios {
-            let planned = plan.scenarios().iter().find(|planned| planned.scenario().name == scenario.name);
-            let Some(planned) = planned else { continue };
+            let Some(planned) = planned.get(scenario.name.as_str()) else { continue };
             let selected = |trial: &PlannedTrial| {
                 filter::with_trial(&suite.name, file, trial, |subject| filters.matches(subject))
             };

@@ -9,38 +9,38 @@ use scenario::{Aggregate, Dimension, MetricKind, MetricReference, Notation, Suit
 /// gate's rule, then of a rating, then of a block.
 pub fn of(suite: &Suite) -> Vec<(MetricReference, Notation)> {
     let mut found: Vec<(MetricReference, Notation)> = Vec::new();
-    let mut take = |metric: &MetricReference, notation: Option<Notation>| {
-        if let Some(notation) = notation.filter(|_| !found.iter().any(|(known, _)| known == metric)) {
-            found.push((metric.clone(), notation));
+    let mut take = |metric: &MetricReference, notation: &dyn Fn() -> Option<Notation>| {
+        if !found.iter().any(|(known, _)| known == metric) {
+            found.extend(notation().map(|notation| (metric.clone(), notation)));
         }
     };
     for criterion in suite.scenarios.iter().chain(&suite.supporting).flat_map(|scenario| &scenario.criteria) {
         let about = criterion.claim.metric();
         if let Some(MetricKind::Quantity(dimension)) = about.known().map(|metric| &metric.kind) {
-            take(about, unit_in(&criterion.text, *dimension));
+            take(about, &|| unit_in(&criterion.text, *dimension));
         }
     }
     for rule in suite.gates.iter().flat_map(|gate| &gate.rules) {
         if let Some(about) = &rule.metric {
-            take(about, rule.notation);
+            take(about, &|| rule.notation);
         }
     }
     for rating in &suite.ratings {
-        take(&rating.measure, rating.notation);
+        take(&rating.measure, &|| rating.notation);
     }
     // Of a rate, the notation would be that of a share.
     let of_values = |aggregate: &Aggregate| !matches!(aggregate, Aggregate::Rate(_) | Aggregate::Count(_));
     for search in &suite.searches {
-        search.kept_metrics().for_each(|(keep, written_in)| take(&keep.metric, written_in));
+        search.kept_metrics().for_each(|(keep, written_in)| take(&keep.metric, &|| written_in));
     }
     for tune in &suite.tunes {
         for (index, constraint) in tune.constraints.iter().enumerate() {
-            take(&constraint.metric, tune.constraint_in(index));
+            take(&constraint.metric, &|| tune.constraint_in(index));
         }
     }
     let measures = suite.evaluates.iter().flat_map(|evaluate| &evaluate.measures);
     for measure in measures.filter(|measure| of_values(&measure.aggregate)) {
-        take(measure.aggregate.metric(), measure.notation);
+        take(measure.aggregate.metric(), &|| measure.notation);
     }
     found
 }

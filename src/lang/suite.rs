@@ -3,6 +3,8 @@
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
+use rayon::prelude::*;
+
 use super::blocks::{Gathered, gather};
 use super::check::{self, TextPlaces};
 use super::codes::{Code, Severity};
@@ -461,7 +463,7 @@ fn supporting(files: &Texts, blocks: &Gathered, report: &mut Vec<Diagnostic>) ->
     scenarios
 }
 
-/// Checks scenarios; what several of them would report of the same place is reported once.
+/// Checks scenarios side by side; what several of them would report of the same place is reported once.
 fn check_all(
     files: &Texts,
     definitions: &[NameDefinition],
@@ -470,10 +472,13 @@ fn check_all(
 ) -> Vec<Scenario> {
     let places = TextPlaces { files };
     let mut seen: HashSet<(Code, Span, String)> = HashSet::new();
-    let mut scenarios = Vec::new();
-    for definition in definitions {
+    let mut scenarios = Vec::with_capacity(definitions.len());
+    let check = |definition: &NameDefinition| {
         let mut findings = Vec::new();
-        scenarios.extend(check::scenario(*definition, &places, added, &mut findings));
+        (check::scenario(*definition, &places, added, &mut findings), findings)
+    };
+    for (scenario, findings) in definitions.par_iter().map(check).collect::<Vec<_>>() {
+        scenarios.extend(scenario);
         report.extend(
             findings
                 .into_iter()
@@ -666,5 +671,28 @@ mod tests {
         let sound = sound.with("s/h.yaml", "scenarios: []");
         let ahead = told(crate::examine(path, &standard(), &sound));
         assert_eq!(ahead, told(crate::examine_edited(path, suite, &standard(), &sound)));
+    }
+    /// What several scenarios would say of one place is said once, in the order in which they stand.
+    #[test]
+    fn what_is_found_does_not_depend_on_how_many_look_for_it() {
+        let wrong =
+            ["speed 30 kmh", "speed fast", "lane 7", "speed pace", "controller nobody", "speed unused"];
+        let scenario = |index: usize| {
+            format!(
+                "scenario s{index} : base(pace: {index} m) {{ let unused = 1 m/s\n vehicle av {{ {} }} expect {{ no collision\n pet > {index} }} }}\n",
+                wrong[index % wrong.len()]
+            )
+        };
+        let base = "define base(pace) { road { lane_width 4 m; speed_limit 30 km/h; crossing zebra } vehicle av { controller yielding; speed pace; start 60 m before crossing } pedestrian walker { model scripted; start 2 m from kerb; appears at 1 s } }\n";
+        let text: String = std::iter::once(base.to_string()).chain((0..200).map(scenario)).collect();
+        let files = Memory::default().with("all.scn", text);
+        let examined = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let examined = pool.install(|| crate::examine(Path::new("all.scn"), &standard(), &files));
+            format!("{:?} {:?}", examined.found, examined.suite)
+        };
+        let alone = examined(1);
+        assert!(alone.matches("Diagnostic {").count() > 100, "{alone:.2000}");
+        assert!([2, 3].into_iter().all(|threads| examined(threads) == alone));
     }
 }

@@ -1,9 +1,8 @@
 //! Files that use each other, and the names that each can see.
 
-use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Component, Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use rayon::prelude::*;
 
@@ -69,7 +68,19 @@ pub struct Tests {
     /// The suite whose statements of that kind hold.
     pub suite: Option<FileId>,
     /// What each vehicle would have had, by the vehicle's name; known as scenarios are checked.
-    pub replaced: RefCell<BTreeMap<String, BTreeSet<String>>>,
+    replaced: Mutex<BTreeMap<String, BTreeSet<String>>>,
+}
+
+impl Tests {
+    /// What each vehicle would have had.
+    pub fn replaced(&self) -> MutexGuard<'_, BTreeMap<String, BTreeSet<String>>> {
+        locked(&self.replaced)
+    }
+}
+
+/// What was said before somebody panicked is as it was said.
+fn locked<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
+    shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Every file that was read, each once.
@@ -95,9 +106,9 @@ pub struct Texts<'f> {
     /// Where they stand in the texts.
     pub set: Vec<Span>,
     /// What stands in files that are no scenarios, by path.
-    others: RefCell<HashMap<String, Result<Arc<str>, String>>>,
+    others: Mutex<HashMap<String, Result<Arc<str>, String>>>,
     /// SHA-256 of what was read, hexadecimal, by path.
-    digests: RefCell<BTreeMap<String, String>>,
+    digests: Mutex<BTreeMap<String, String>>,
     /// Of all texts, bytes.
     size: usize,
     /// More are not read, bytes.
@@ -119,8 +130,8 @@ impl<'f> Texts<'f> {
             overrides: Overrides::default(),
             tests: Tests::default(),
             set: Vec::new(),
-            others: RefCell::default(),
-            digests: RefCell::default(),
+            others: Mutex::default(),
+            digests: Mutex::default(),
             size: 0,
             largest: usize::MAX,
         }
@@ -368,16 +379,16 @@ impl<'f> Texts<'f> {
             self.note(Path::new(path), text.as_bytes());
             Ok(Arc::from(text))
         };
-        self.others.borrow_mut().entry(path.to_string()).or_insert_with(read).clone()
+        locked(&self.others).entry(path.to_string()).or_insert_with(read).clone()
     }
 
     fn note(&self, path: &Path, bytes: &[u8]) {
-        self.digests.borrow_mut().insert(path.display().to_string(), sha256(bytes));
+        locked(&self.digests).insert(path.display().to_string(), sha256(bytes));
     }
 
     /// Every file of which text was read, by name.
     pub fn digests(&self) -> Vec<TextDigest> {
-        let known = self.digests.borrow();
+        let known = locked(&self.digests);
         known.iter().map(|(file, sha256)| TextDigest { file: file.clone(), sha256: sha256.clone() }).collect()
     }
 

@@ -1,7 +1,7 @@
 //! Values: calculations over names with their dimensions.
 
-use std::cell::Cell;
 use std::collections::HashMap;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use super::codes::Code;
 use super::diagnostic::{Diagnostic, Remedy};
@@ -44,7 +44,30 @@ pub struct Binding {
     pub varied: Option<Vec<VariedValue>>,
     /// Where it is defined.
     pub span: Span,
-    pub used: Cell<bool>,
+    pub used: Used,
+}
+
+/// Whether anything asked for a name. Of the names of a file, scenarios ask that are checked side by side.
+#[derive(Debug, Default)]
+pub struct Used(AtomicBool);
+
+impl Used {
+    pub fn get(&self) -> bool {
+        self.0.load(Ordering::Relaxed)
+    }
+
+    fn set(&self) {
+        // Most names are known to be used: what is only read is shared without waiting.
+        if !self.get() {
+            self.0.store(true, Ordering::Relaxed);
+        }
+    }
+}
+
+impl Clone for Used {
+    fn clone(&self) -> Self {
+        Self(self.get().into())
+    }
 }
 
 /// The names that a value may use, inner ones hiding outer ones.
@@ -67,7 +90,7 @@ pub struct Member {
 
 impl Binding {
     pub fn new(value: Option<Typed>, span: Span) -> Self {
-        Self { value, varied: None, span, used: Cell::new(false) }
+        Self { value, varied: None, span, used: Used::default() }
     }
 }
 
@@ -79,7 +102,7 @@ impl<'a> NameScope<'a> {
     /// What the name stands for here; it then counts as used.
     pub fn find(&self, name: &str) -> Option<&Binding> {
         let found = self.names.get(name).or_else(|| self.outer?.find(name))?;
-        found.used.set(true);
+        found.used.set();
         Some(found)
     }
 

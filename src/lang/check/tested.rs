@@ -32,7 +32,7 @@ pub fn tested<'s>(
         }
         all.push(node);
         set_besides(node, places, report);
-        let replaced = places.files.tests.replaced.borrow();
+        let replaced = places.files.tests.replaced();
         let Some(names) = replaced.get(vehicle.text()) else {
             // What could not be read may well have such a vehicle.
             if !has_errors {

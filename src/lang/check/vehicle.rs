@@ -191,9 +191,8 @@ fn instead<'a>(
         );
         return None;
     }
-    let mut replaced = places.files.tests.replaced.borrow_mut();
     let names = own.found.iter().map(|found| found.declaration.name.to_string());
-    replaced.entry(vehicle.text().to_string()).or_default().extend(names);
+    places.files.tests.replaced().entry(vehicle.text().to_string()).or_default().extend(names);
     named(Said { node: ast::Named::Tested(node), scope }, &controllers(places), places, report)
         .filter(|found| is_visible(found, places, report))
 }

@@ -14,6 +14,7 @@ mod grammar;
 mod lexer;
 mod parse;
 mod print;
+mod read;
 mod tree;
 pub mod words;
 

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use pest::Parser;
 
+use super::read::read;
 use super::tree::{Grammar, Node, Rule, Tree};
 use super::{closing, error, lexer};
 use crate::diagnostic::Diagnostic;
@@ -17,29 +18,19 @@ impl Tree {
         let unbalanced = lexer::balance(source, &text, &tokens);
         let mut tree = Self::unparsed(source, text.clone(), tokens);
         if unbalanced.is_empty() {
-            match Grammar::parse(Rule::file, &text) {
-                Ok(mut pairs) => {
-                    if let Some(file) = pairs.next() {
-                        tree.add(file, &[]);
-                    }
-                    let diagnostics = error::explain(&tree);
-                    return (tree, diagnostics);
-                }
-                Err(error) => {
-                    tree.add_empty_file();
-                    let diagnostic =
-                        error::unexpected(source, 0, &text, &error).hint("is a line unfinished?");
-                    return (tree, vec![diagnostic]);
-                }
-            }
+            let Some(spans) = read(Rule::file, &text) else {
+                tree.add_empty_file();
+                return (tree, vec![unreadable(source, &text)]);
+            };
+            tree.set_nodes(spans, &[]);
+            let diagnostics = error::explain(&tree);
+            return (tree, diagnostics);
         }
         if let Some(missing) = closing::missing(&text, tree.tokens()).filter(|missing| !missing.is_empty())
-            && let Ok(mut pairs) = Grammar::parse(Rule::file, &closing::closed(&text, &missing))
+            && let Some(spans) = read(Rule::file, &closing::closed(&text, &missing))
         {
             let added: Vec<usize> = missing.iter().map(|one| one.at).collect();
-            if let Some(file) = pairs.next() {
-                tree.add(file, &added);
-            }
+            tree.set_nodes(spans, &added);
             let mut diagnostics = closing::explain(source, &text, &missing);
             // Of a statement that lacks a brace itself there is nothing to say but that.
             let is_whole = |finding: &Diagnostic| {
@@ -55,4 +46,13 @@ impl Tree {
         tree.add_empty_file();
         (tree, unbalanced)
     }
+}
+
+/// Why the rule of a file does not describe the text.
+fn unreadable(source: SourceId, text: &str) -> Diagnostic {
+    let diagnostic = match Grammar::parse(Rule::file, text) {
+        Err(error) => error::unexpected(source, 0, text, &error),
+        Ok(_) => unreachable!("both read by one grammar"),
+    };
+    diagnostic.hint("is a line unfinished?")
 }

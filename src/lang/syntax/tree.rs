@@ -2,10 +2,10 @@
 
 use std::sync::Arc;
 
-use pest::Parser;
-use pest::iterators::Pair;
+use grammar::scn::RuleSpan;
 
 use super::lexer::{self, Token};
+use super::read::{is_shallow, read};
 use crate::source::{SourceId, Span};
 
 pub(super) use grammar::scn::{Grammar, Rule};
@@ -17,16 +17,7 @@ pub struct Tree {
     text: Arc<str>,
     tokens: Vec<Token>,
     /// In the order in which they begin, parents before children.
-    nodes: Vec<NodeData>,
-}
-
-#[derive(Debug, Clone, Copy)]
-struct NodeData {
-    rule: Rule,
-    start: u32,
-    end: u32,
-    /// Index of the first node that is not below this one.
-    after: u32,
+    nodes: Vec<RuleSpan>,
 }
 
 /// A node of a tree.
@@ -44,10 +35,10 @@ impl Tree {
 
     /// A text that the rule describes by itself; its root is the node of that rule.
     pub(super) fn of(rule: Rule, text: &str) -> Option<Self> {
-        let mut pairs = Grammar::parse(rule, text).ok()?;
         let tokens = lexer::tokens(text);
+        let spans = is_shallow(&tokens).then(|| read(rule, text))??;
         let mut tree = Self::unparsed(SourceId(u32::MAX), text.into(), tokens);
-        tree.add(pairs.next()?, &[]);
+        tree.set_nodes(spans, &[]);
         Some(tree)
     }
 
@@ -58,44 +49,43 @@ impl Tree {
 
     pub(super) fn add_empty_file(&mut self) {
         let end = self.text.len() as u32;
-        self.nodes = vec![NodeData { rule: Rule::file, start: 0, end, after: 1 }];
+        self.nodes = vec![RuleSpan { rule: Rule::file, start: 0, end, after: 1 }];
     }
 
-    /// Adds a pair and all below it, without the white space that implicit skipping left at ends. The text that it is of has a
-    /// character more than the tree's at each of the places `added`.
-    pub(super) fn add(&mut self, pair: Pair<Rule>, added: &[usize]) {
-        let index = self.nodes.len();
-        let own = |at: usize| {
+    /// Takes what rules describe as nodes, without the white space that implicit skipping left at ends. The text that they are of has
+    /// a character more than the tree's at each of the places `added`.
+    pub(super) fn set_nodes(&mut self, mut spans: Vec<RuleSpan>, added: &[usize]) {
+        let own = |at: u32| {
             // The one with index `i` stands at `added[i] + i` there.
-            let before = added.iter().enumerate().take_while(|(index, place)| *place + index < at).count();
-            at - before
+            let before = added.iter().enumerate().take_while(|(index, place)| *place + index < at as usize);
+            at as usize - before.count()
         };
-        let (start, end) = (own(pair.as_span().start()), own(pair.as_span().end()));
-        let rule = pair.as_rule();
-        self.nodes.push(NodeData { rule, start: start as u32, end: end as u32, after: 0 });
-        for inner in pair.into_inner() {
-            if inner.as_rule() != Rule::EOI {
-                self.add(inner, added);
+        // The first token that does not begin before the node.
+        let mut first = 0;
+        for span in &mut spans {
+            let (start, end) = (own(span.start), own(span.end));
+            while self.tokens.get(first).is_some_and(|token| token.start < start) {
+                first += 1;
             }
+            let end = if span.rule == Rule::file { self.text.len() } else { self.trim(first, end) };
+            (span.start, span.end) = (start as u32, end as u32);
         }
-        let after = self.nodes.len() as u32;
-        let end = if rule == Rule::file { self.text.len() } else { self.trim(start, end) };
-        self.nodes[index].after = after;
-        self.nodes[index].end = end as u32;
+        self.nodes = spans;
     }
 
-    /// Where the last token of `start..end` that is neither space nor comment ends.
-    fn trim(&self, start: usize, end: usize) -> usize {
+    /// Where the last token before `end` ends that is neither space nor comment, of those from `first` on.
+    fn trim(&self, first: usize, end: usize) -> usize {
         use lexer::TokenKind::{Comment, Newline, Space};
-        let mut last = self.tokens.partition_point(|token| token.start < end);
-        while last > 0 && self.tokens[last - 1].start >= start {
-            let token = self.tokens[last - 1];
-            if !matches!(token.kind, Space | Newline | Comment) {
-                return token.end.min(end);
-            }
-            last -= 1;
+        let tokens = &self.tokens[first..];
+        // Most nodes are small, and a tree of a large file has many.
+        let mut near = 1;
+        while tokens.get(near).is_some_and(|token| token.start < end) {
+            near *= 2;
         }
-        end
+        let within = &tokens[..near.min(tokens.len())];
+        let within = &within[..within.partition_point(|token| token.start < end)];
+        let means_something = |token: &&Token| !matches!(token.kind, Space | Newline | Comment);
+        within.iter().rfind(means_something).map_or(end, |token| token.end.min(end))
     }
 
     pub(crate) fn text(&self) -> &str {
@@ -130,7 +120,7 @@ pub struct NodeIndex(u32);
 pub struct NodeKind(Rule);
 
 impl<'t> Node<'t> {
-    fn data(self) -> NodeData {
+    fn data(self) -> RuleSpan {
         self.tree.nodes[self.index as usize]
     }
 

@@ -178,7 +178,7 @@ impl ScenarioPlan {
     fn key_of(&self, scenario: &str, variation: &[Assignment]) -> String {
         let mut key = format!("{}/{scenario}", self.0.suite);
         for assignment in variation {
-            key.push_str(&format!("/{}={}", assignment.name, assignment.label));
+            key.extend(["/", &assignment.name, "=", &assignment.label]);
         }
         key
     }
@@ -213,7 +213,11 @@ impl ScenarioPlan {
 
     /// The trial with this index, with all that it may have, or with some of it.
     fn planned(&self, index: usize, part: Part) -> Result<PlannedTrial, PlanError> {
-        let Outline { key, variation, runs, rounds, criteria } = self.outline(index)?;
+        Ok(self.planned_of(self.outline(index)?, part))
+    }
+
+    fn planned_of(&self, outline: Outline, part: Part) -> PlannedTrial {
+        let Outline { key, variation, runs, rounds, criteria } = outline;
         let all = self.0.people.len();
         let (people, repetitions) = match part {
             Part::Whole => (all, runs / all),
@@ -245,7 +249,7 @@ impl ScenarioPlan {
             chance_of: None,
             worlds,
         };
-        Ok(PlannedTrial { trial, cases: Cases(Source::Planned(planned)) })
+        PlannedTrial { trial, cases: Cases(Source::Planned(planned)) }
     }
 
     /// The trial with this index below [`Self::len`].
@@ -653,14 +657,16 @@ pub fn cut_off_draws(suite: &Suite, scenario: &Scenario) -> Result<Vec<CutOffDra
 /// The first thing that is not possible.
 pub fn probe_scenario(suite: &Suite, scenario: &Scenario) -> Result<Vec<PlannedTrial>, PlanError> {
     let plan = ScenarioPlan::new(suite, scenario)?;
-    plan.outlines().try_for_each(|outline| outline.map(|_| ()))?;
-    let probe = |index| {
+    let mut outlines = plan.outlines();
+    let probed: Vec<Outline> = outlines.by_ref().take(MOST_PROBES).collect::<Result<_, _>>()?;
+    outlines.try_for_each(|outline| outline.map(|_| ()))?;
+    let probe = |(index, outline)| {
         let part = if index == 0 { Part::Everybody } else { Part::First };
-        let trial = plan.planned(index, part)?;
+        let trial = plan.planned_of(outline, part);
         trial.cases.check(true, index == 0)?;
         Ok(trial)
     };
-    (0..plan.len().min(MOST_PROBES)).map(probe).collect()
+    probed.into_iter().enumerate().map(probe).collect()
 }
 
 /// Whole rounds: at least as many runs as asked for, and not more than may be.

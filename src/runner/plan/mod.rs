@@ -20,6 +20,7 @@ mod variation;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use rayon::prelude::*;
 use scenario::{Assignment, Case, Individual, Scenario, Suite};
 
 pub use draws::DrawAxis;
@@ -89,8 +90,9 @@ impl Plan {
 pub fn plan(suite: &Suite) -> Result<Plan, Vec<PlanError>> {
     let mut scenarios = Vec::new();
     let mut errors = Vec::new();
-    for scenario in &suite.scenarios {
-        match plan_scenario(suite, scenario) {
+    let planned = suite.scenarios.par_iter().map(|scenario| plan_scenario(suite, scenario));
+    for one in planned.collect::<Vec<_>>() {
+        match one {
             Ok(one) => scenarios.push(one),
             Err(error) => errors.push(error),
         }

@@ -27,8 +27,9 @@ pub fn examine_edited(
 
 fn whole(lang::Examined { suite, mut found, sources }: lang::Examined) -> (Vec<Diagnostic>, Sources) {
     if let Some(suite) = &suite {
-        found.extend(examine_claims(suite, &sources));
-        let Rehearsal { obstacles, departing } = rehearse(suite);
+        let (claims, rehearsal) = rayon::join(|| examine_claims(suite, &sources), || rehearse(suite));
+        found.extend(claims);
+        let Rehearsal { obstacles, departing } = rehearsal;
         let obstacles = obstacles.into_iter().chain(rehearse_searches(suite));
         found.extend(obstacles.filter_map(|obstacle| finding(obstacle, &sources)));
         found.extend(doubts(departing, &sources));
