@@ -22,6 +22,7 @@ mod remembered;
 mod run_digest;
 mod sequence;
 mod serialised;
+mod shared_rounds;
 mod shuffled;
 mod stop;
 #[cfg(test)]
@@ -38,6 +39,7 @@ pub use encoding::{DecodingError, EncodedBy};
 pub use executor::{Executor, Round};
 pub use first_runs::{FirstRun, FirstRuns, VerifyRuns};
 pub use free_flow::FreeFlows;
+pub(crate) use from_results::Disagreement;
 pub use from_results::{AbsentRuns, FromResults, RunResults, StoredRun};
 pub use job::{
     Done, Job, JobFailure, JobPlace, LoggedDecision, MeasuredMetrics, Ran, Wanted, WentDifferently, programs,
@@ -49,6 +51,7 @@ pub(crate) use remembered::Remembered;
 pub use run_digest::{RunDigest, RunDigests};
 pub(crate) use sequence::{Sequence, Sequences, run_sequences};
 pub use serialised::Serialised;
+pub use shared_rounds::Sharing;
 pub use shuffled::Shuffled;
 pub use stop::Stop;
 pub use threads::Threads;
