@@ -4,9 +4,9 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-use super::from_results::StoredRun;
 use super::job::{Job, JobPlace};
 use super::run_digest::RunDigest;
+use super::stored_run::StoredRun;
 
 /// Runs that are made before somebody looks again at what others have made take about as long.
 const BETWEEN_LOOKS: Duration = Duration::from_millis(50);

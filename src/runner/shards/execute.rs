@@ -157,16 +157,15 @@ impl Execution<'_> {
         batch: &UnitBatch,
         told: &(dyn Fn(&UnitBatch, BatchProgress) + Sync),
     ) -> Result<BatchEnd, ShardError> {
-        let nothing = self.manifest.batches()?.take(0);
         let share = Share {
             of: self,
             numbers,
             is_next: &|_| true,
             busy: &AtomicUsize::new(0),
-            batches: Mutex::new(Box::new(nothing)),
+            batches: Mutex::new(Box::new(std::iter::empty())),
             state: Mutex::default(),
         };
-        share.batch(batch, true, told)
+        share.caught(batch, true, told)
     }
 
     /// Of each unit that is no trial, how many others it builds on that build on each other.
@@ -291,10 +290,7 @@ impl Share<'_, '_> {
     fn drive(&self, told: &(dyn Fn(&UnitBatch, BatchProgress) + Sync)) {
         while let Some(batch) = self.next() {
             let ended = match batch {
-                Ok(batch) => match Panicked::catch(|| self.batch(&batch, false, told)) {
-                    Ok(ended) => ended,
-                    Err(panicked) => Err(ShardError::OtherFiles { message: panicked.to_string() }),
-                },
+                Ok(batch) => self.caught(&batch, false, told),
                 Err(error) => Err(error),
             };
             let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
@@ -328,6 +324,17 @@ impl Share<'_, '_> {
         }
         let is_own = |batch: &UnitBatch| (self.of.mine)(batch.number, &batch.id) && (self.is_next)(batch);
         batches.find(|batch| batch.as_ref().map_or(true, is_own))
+    }
+
+    /// A batch, of which a panic is an error.
+    fn caught(
+        &self,
+        batch: &UnitBatch,
+        is_joined: bool,
+        told: &(dyn Fn(&UnitBatch, BatchProgress) + Sync),
+    ) -> Result<BatchEnd, ShardError> {
+        let ended = Panicked::catch(|| self.batch(batch, is_joined, told));
+        ended.unwrap_or_else(|panicked| Err(ShardError::OtherFiles { message: panicked.to_string() }))
     }
 
     fn batch(
