@@ -152,8 +152,8 @@ pub mod run {
     pub use runner::run::{
         AbsentRuns, BatchError, DecodingError, Done, EncodedBy, Executor, FirstRuns, FreeFlows, FromResults,
         Job, JobFailure, JobPlace, MeasuredMetrics, Panicked, Ran, Round, RunBatch, RunDigest, RunDigests,
-        RunError, RunResults, Stop, StoredRun, Threads, VerifyRuns, Wanted, WentDifferently, note_places,
-        programs, went_differently,
+        RunError, RunResults, Sharing, Stop, StoredRun, Threads, VerifyRuns, Wanted, WentDifferently,
+        note_places, programs, went_differently,
     };
 }
 
@@ -170,7 +170,7 @@ pub mod shards {
 pub mod engines {
     pub use engines::{
         EndedTask, Engine, EngineError, EngineEvent, EngineName, EngineOptions, RAY_VERSION, Ray, Slurm,
-        Task, TaskEnd, run_slices,
+        Task, TaskEnd, run_slices, slice_output,
     };
 }
 

@@ -21,7 +21,8 @@ use scenario::registry::Registry;
 /// Makes the runs of a share of a plan and writes what came of them: a file for each batch, of about a second of work. Nothing is judged.
 ///
 /// A batch that is there is left alone, so that the same command goes on where it was killed; several may write into one folder, also the same
-/// batches. Without `--partition` it is the whole plan.
+/// batches. Without `--partition` it is the whole plan. Whoever has made its share helps others in the same folder with the searches, tunes and other
+/// blocks that they are at: each makes some of the runs of a round.
 #[derive(Debug, Args)]
 #[command(after_help = "\
 Exit code 0 says that all results of the share are there, whatever they are; `merge` judges.
@@ -62,6 +63,17 @@ pub struct ExecArguments {
     #[arg(long)]
     reuse: bool,
 
+    /// End when the share is made. Without this a worker goes on with what others are at in the same folder, if that is decided in rounds of runs (`tune`,
+    /// `evaluate`, `search`, `estimate`, `calibrate`, trials with `runs N .. M`): they share the runs of each round, and their results are the same bytes. It
+    /// ends where nobody is at such a thing, or where it is no help.
+    #[arg(long)]
+    own_share_only: bool,
+
+    /// Help others only if this file is there when the share is made. `--on` uses it for slices: once the last of them has begun, none waits for the cores of
+    /// one that goes on with others' runs.
+    #[arg(long, value_name = "FILE", conflicts_with = "own_share_only")]
+    join_once: Option<PathBuf>,
+
     /// When to use colours.
     #[arg(long, value_enum, default_value_t = Colour::Auto)]
     color: Colour,
@@ -78,8 +90,14 @@ fn executed(arguments: &ExecArguments, registry: &Registry) -> Result<Exit, Exit
     if let Some(engine) = arguments.engine.on {
         make_results_folder(&arguments.results)?;
         let (manifest, results) = (&arguments.manifest, &arguments.results);
-        let shares =
-            Shares { manifest, results, planned: &planned, permission: &permission, reuse: arguments.reuse };
+        let shares = Shares {
+            manifest,
+            results,
+            planned: &planned,
+            permission: &permission,
+            reuse: arguments.reuse,
+            own_share_only: arguments.own_share_only,
+        };
         return arguments.engine.make(engine, &shares);
     }
     let suites = planned.project.suites();
@@ -90,6 +108,8 @@ fn executed(arguments: &ExecArguments, registry: &Registry) -> Result<Exit, Exit
     make_results_folder(&arguments.results)?;
     let stop = stop_on_interrupt();
     let mine = |number: usize, id: &str| arguments.partition.is_none_or(|share| share.holds(number, id));
+    let log = WorkLog::new(&arguments.results);
+    let joins = || !arguments.own_share_only && arguments.join_once.as_ref().is_none_or(|file| file.exists());
     let execution = Execution {
         planner: &planner,
         manifest: &planned.manifest,
@@ -99,15 +119,30 @@ fn executed(arguments: &ExecArguments, registry: &Registry) -> Result<Exit, Exit
         mine: &mine,
         reuse: arguments.reuse || planned.programs.iter().all(|(program, _)| program.is_known_whole()),
         canary: &canary,
+        worker: &log.worker,
+        joins: &joins,
         stop: &stop,
     };
-    let log = WorkLog::new(&arguments.results);
-    let Executed { made, skipped, runs, resumed } =
+    let executed =
         execution.run(&|batch, progress| log.note(batch, progress)).map_err(|error| said(&error))?;
-    let before = if resumed > 0 { format!(" ({resumed} of which a journal held)") } else { String::new() };
-    let there = if skipped > 0 { format!(", {skipped} were there") } else { String::new() };
-    writeln!(stdout(), "{}: made {made} batches of {runs} runs{before}{there}", arguments.results.display());
+    writeln!(stdout(), "{}: {}", arguments.results.display(), in_words(&executed));
     Ok(Exit::Success)
+}
+
+fn in_words(executed: &Executed) -> String {
+    let Executed { made, skipped, runs, resumed, heard, joined, shared } = *executed;
+    let some = |number: usize, words: &str| (number > 0).then(|| format!("{number} {words}"));
+    let of_which =
+        [some(resumed, "of which a journal held"), some(heard, "of which others have made meanwhile")];
+    let of_which: Vec<String> = of_which.into_iter().flatten().collect();
+    let of_which = if of_which.is_empty() { String::new() } else { format!(" ({})", of_which.join(", ")) };
+    let there = some(skipped, "were there").map_or_else(String::new, |there| format!(", {there}"));
+    let helped = match (joined, shared) {
+        (0, 0) => String::new(),
+        (0, _) => format!("; made {shared} runs of what others have written"),
+        _ => format!("; helped others with {joined}, of which it made {shared} runs"),
+    };
+    format!("made {made} batches of {runs} runs{of_which}{there}{helped}")
 }
 
 fn make_results_folder(folder: &Path) -> Result<(), Exit> {
@@ -134,12 +169,15 @@ impl ExecArguments {
 struct WorkLog {
     path: PathBuf,
     host: String,
+    /// As no other process at the same folder is called.
+    worker: String,
 }
 
 impl WorkLog {
     fn new(results: &Path) -> Self {
         let host = host();
-        Self { path: results.join("log").join(format!("{host}.{}.jsonl", std::process::id())), host }
+        let worker = format!("{host}.{}", std::process::id());
+        Self { path: results.join("log").join(format!("{worker}.jsonl")), host, worker }
     }
 
     fn note(&self, batch: &UnitBatch, progress: BatchProgress) {
@@ -149,7 +187,14 @@ impl WorkLog {
                 writeln!(stderr(), "warning: {why}; it is made again");
                 json!({ "damaged": why })
             }
-            BatchProgress::Made { runs, took, over_limit, path } => {
+            BatchProgress::Joined => {
+                let names: Vec<&str> = batch.units.iter().map(|unit| &*unit.name).collect();
+                writeln!(stderr(), "helps another worker with {}", names.join(", "));
+                json!({ "joined": true })
+            }
+            BatchProgress::MadeElsewhere(own) => json!({ "own": own, "elsewhere": true }),
+            BatchProgress::Left(own) => json!({ "own": own, "left": true }),
+            BatchProgress::Made { runs, own, took, over_limit, path } => {
                 for trial in over_limit {
                     writeln!(
                         stderr(),
@@ -158,7 +203,7 @@ impl WorkLog {
                         path.display()
                     );
                 }
-                let mut what = json!({ "runs": runs, "seconds": took.as_secs_f64() });
+                let mut what = json!({ "runs": runs, "own": own, "seconds": took.as_secs_f64() });
                 if !over_limit.is_empty() {
                     what["over_limit"] = over_limit.into();
                 }

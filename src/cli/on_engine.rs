@@ -11,10 +11,14 @@ use super::Exit;
 use super::interrupt::stop_on_interrupt;
 use super::planned::{PlannedProject, permission_digest, said};
 use super::programs::{ProgramArguments, say_all};
-use engines::{EndedTask, EngineError, EngineEvent, EngineName, EngineOptions, TaskEnd, run_slices};
+use engines::{
+    EndedTask, EngineError, EngineEvent, EngineName, EngineOptions, TaskEnd, run_slices, slice_output,
+};
 use files::escape::shell_word;
 use report::console::{stderr, stdout};
 
+/// In the folder of results.
+const ENGINE_FOLDER: &str = "engine";
 /// What a slice takes by default, s on one core.
 const SLICE: f64 = 300.0;
 /// What goes on is said that often.
@@ -69,13 +73,15 @@ pub struct Shares<'a> {
     pub permission: &'a ProgramArguments,
     /// Whether batches are left alone in which commands decide.
     pub reuse: bool,
+    /// Whether a share helps no other one.
+    pub own_share_only: bool,
 }
 
 impl EngineArguments {
     /// Has all shares made on `engine`.
     pub fn make(&self, engine: EngineName, shares: &Shares) -> Result<Exit, Exit> {
         let slices = self.command_lines(shares)?;
-        let engine_folder = shares.results.join("engine");
+        let engine_folder = shares.results.join(ENGINE_FOLDER);
         let options = EngineOptions {
             cpus: self.cpus.unwrap_or(1),
             resources: self
@@ -107,7 +113,7 @@ impl EngineArguments {
 
     /// A command line a share, which goes to the folder first from which the manifest names files.
     fn command_lines(&self, shares: &Shares) -> Result<Vec<Vec<String>>, Exit> {
-        let Shares { manifest, results, planned, permission, reuse } = shares;
+        let Shares { manifest, results, planned, permission, reuse, own_share_only } = shares;
         let complain = |error: std::io::Error| {
             writeln!(stderr(), "error: where this program and its files are: {error}");
             Exit::Usage
@@ -127,7 +133,13 @@ impl EngineArguments {
         let batches = planned.manifest.batches().map_err(|error| said(&error))?.count();
         let wanted = self.slices.map_or((planned.manifest.header().seconds / SLICE).ceil(), f64::from);
         let slices = (wanted as usize).clamp(1, batches.max(1));
+        // One whose share is made does not keep others from its cores: they have begun when the last has.
+        let last = slice_output(&Path::new(&results).join(ENGINE_FOLDER), slices);
         let mut rest = vec!["--results".to_string(), results];
+        match own_share_only {
+            true => rest.push("--own-share-only".to_string()),
+            false => rest.extend(["--join-once".to_string(), last.to_string_lossy().into_owned()]),
+        }
         rest.extend(["--test-threads".to_string(), self.cpus.unwrap_or(1).to_string()]);
         rest.extend(reuse.then(|| "--reuse".to_string()));
         if !planned.programs.is_empty() {

@@ -21,6 +21,6 @@ mod task;
 
 pub use error::EngineError;
 pub use ray::{RAY_VERSION, Ray};
-pub use slices::{EngineName, EngineOptions, run_slices};
+pub use slices::{EngineName, EngineOptions, run_slices, slice_output};
 pub use slurm::Slurm;
 pub use task::{EndedTask, Engine, EngineEvent, Task, TaskEnd};

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::ffi::OsString;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::time::Duration;
 
@@ -65,7 +65,12 @@ impl EngineOptions {
     }
 }
 
-/// Has all slices done on that engine. What slice `i` (from 1) says on its standard streams is in `slice-i.out` of the folder.
+/// What slice `number` (from 1) says on its standard streams, a file that is there once it has begun.
+pub fn slice_output(folder: &Path, number: usize) -> PathBuf {
+    folder.join(format!("slice-{number}.out"))
+}
+
+/// Has all slices done on that engine; each has a [`slice_output`] in the folder.
 ///
 /// # Errors
 /// As [`Engine::run`]. A slice that ended with another exit code than 0, or not at all, is no error here: look at what is given back.
@@ -81,7 +86,7 @@ pub fn run_slices(
     let folder = std::path::absolute(&folder).map_err(|error| EngineError::file(&folder, error))?;
     let task = |(at, argv): (usize, Vec<String>)| {
         let id = format!("slice-{}", at + 1);
-        Task { out: folder.join(format!("{id}.out")), id, argv, cpus, resources: resources.clone() }
+        Task { out: slice_output(&folder, at + 1), id, argv, cpus, resources: resources.clone() }
     };
     let tasks: Vec<Task> = slices.into_iter().enumerate().map(task).collect();
     match engine {

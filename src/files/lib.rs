@@ -16,6 +16,7 @@ mod in_place;
 mod letters;
 mod log;
 mod log_reader;
+mod log_tail;
 mod pieces;
 mod read;
 mod recording;
@@ -32,6 +33,7 @@ pub use folder::make_folder;
 pub use letters::{base64, from_base64, hexadecimal};
 pub use log::{Log, LogContents, append_text};
 pub use log_reader::{Header, LARGEST_RECORD, LogError, LogFormat, LogReader};
+pub use log_tail::LogTail;
 pub use pieces::{Places, digest};
 pub use read::{
     LARGEST, Lines, ReadError, check_kind, read_bytes, read_kind, read_standard_input, read_text,

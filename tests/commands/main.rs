@@ -28,6 +28,7 @@ mod roads_vary;
 mod run;
 mod set;
 mod shards;
+mod sharing;
 mod shrink;
 mod sketch;
 mod streets;

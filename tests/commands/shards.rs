@@ -69,7 +69,7 @@ fn reported(folder: &Path, name: &str, arguments: &[&str]) -> (i32, Vec<String>)
 }
 
 /// Without what differs from run to run of the same suite.
-fn settled(text: &str) -> String {
+pub fn settled(text: &str) -> String {
     let replaced = [
         (r"duration_ms: \d+", "duration_ms: 0"),
         (r"runs, \d+\.\d{2} s<", "runs, TIME s<"),

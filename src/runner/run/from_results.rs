@@ -1,88 +1,22 @@
 //! Runs of which the results are there: an executor that answers from them. What is not there is made by another one and kept, or refused.
 
 use std::collections::{BTreeMap, HashMap, VecDeque};
+use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, Scope};
 use std::time::{Duration, Instant};
 
-use serde::{Deserialize, Serialize};
-
-use super::build::RunError;
 use super::executor::{Executor, Round};
-use super::job::{Done, Job, JobFailure, JobPlace, LoggedDecision, Ran, Wanted, programs};
+use super::job::{Done, Job, JobPlace, Wanted, programs};
 use super::panic::Panicked;
 use super::run_digest::{RunDigest, RunDigests};
+use super::shared_rounds::{AbsentRun, Pace, Sharing, Turn, Waiting};
 use super::stop::Stop;
-use results::Outcome;
+use super::stored_run::StoredRun;
 use scenario::DeclaredProgram;
 use under_test::{AnswerClock, ProgramUse};
-
-/// What came of a run, without what depends on the clock: equal runs are equal bytes.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct StoredRun {
-    /// Whether what programs decided is there.
-    decisions: bool,
-    result: Result<Ran, JobFailure>,
-}
-
-impl StoredRun {
-    /// Of what came of a job of which that was wanted. Courses are not kept.
-    pub fn of(wanted: Wanted, result: &Result<Ran, JobFailure>) -> Self {
-        let decisions = !matches!(wanted, Wanted::Outcome);
-        let result = result.as_ref().map_err(Clone::clone).map(|ran| {
-            let mut outcome = ran.outcome.clone();
-            outcome.wall_time = Duration::ZERO;
-            bare(outcome, if decisions { ran.decisions.clone() } else { Vec::new() })
-        });
-        Self { decisions, result }
-    }
-
-    /// Of a run that was not made, since its trial had taken longer than its `time_limit` by then.
-    pub fn over_time_limit() -> Self {
-        Self { decisions: false, result: Err(JobFailure::Error(RunError::TimeLimit)) }
-    }
-
-    /// Whether it is [`Self::over_time_limit`].
-    pub fn is_over_time_limit(&self) -> bool {
-        matches!(self.result, Err(JobFailure::Error(RunError::TimeLimit)))
-    }
-
-    /// What [`Self::from_bytes`] reads: MessagePack with names of fields, which carries every number to its last bit.
-    pub fn to_bytes(&self) -> Vec<u8> {
-        rmp_serde::to_vec_named(self).expect("plain data is encoded, and memory takes it")
-    }
-
-    /// What [`Self::to_bytes`] wrote.
-    ///
-    /// # Errors
-    /// In the words of the decoder, if the bytes are something else.
-    pub fn from_bytes(bytes: &[u8]) -> Result<Self, String> {
-        rmp_serde::from_slice(bytes).map_err(|error| error.to_string())
-    }
-
-    /// Whether it says of itself that it came of that job.
-    fn is_of(&self, job: &Job) -> bool {
-        self.result.as_ref().map_or(true, |Ran { outcome, .. }| {
-            (outcome.key.as_str(), outcome.seed) == (job.case.key.as_str(), job.case.seed)
-                && outcome.metrics.len() == job.measured.requests.iter().count()
-        })
-    }
-
-    fn is_enough(&self, wanted: Wanted) -> bool {
-        // A run that did not come to its end has nothing more to tell.
-        self.result.is_err() || wanted == Wanted::Outcome || self.decisions && wanted == Wanted::Decisions
-    }
-
-    /// As somebody is told who asked for it, for whom it took that long to be found: never no time, which a report would leave out.
-    fn told(self, wanted: Wanted, took: Duration) -> Result<Ran, JobFailure> {
-        self.result.map(|ran| {
-            let outcome = Outcome { wall_time: took.max(Duration::from_nanos(1)), ..ran.outcome };
-            let decisions = if wanted == Wanted::Outcome { Vec::new() } else { ran.decisions };
-            Ran { outcome, decisions, ..ran }
-        })
-    }
-}
 
 /// Results by the digests of their runs, to be read from several threads.
 pub trait RunResults: Sync {
@@ -94,12 +28,29 @@ pub trait RunResults: Sync {
 
     /// Takes in what came of a run that was not there.
     fn keep(&self, run: RunDigest, stored: StoredRun);
+
+    /// Whether there is something of a run, without asking for it.
+    fn holds(&self, run: &RunDigest) -> bool {
+        matches!(self.find(run), Ok(Some(_)))
+    }
+
+    /// Forgets what is there of a run, which says of itself that it is of another one: `key` will be made.
+    fn forget(&self, run: &RunDigest, key: &str) {
+        let _ = (run, key);
+    }
+
+    /// Looks at what others have made since, who make the same runs at the same time; not each time that it is asked, and more often with `now`, before
+    /// a run is made that is another's. `run` is how long one takes.
+    fn sharing(&self, run: Duration, now: bool) -> Sharing {
+        let _ = (run, now);
+        Sharing::ALONE
+    }
 }
 
 /// What happens with runs of which there is no result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AbsentRuns {
-    /// They are made, and kept.
+    /// They are made, and kept; and so are those of which what is there is of another run.
     Made,
     /// Nothing more begins: results without them would be of something else.
     Refused,
@@ -107,6 +58,9 @@ pub enum AbsentRuns {
 
 /// So many runs are looked up together by another thread.
 const TOGETHER: usize = 64;
+
+/// So long nobody looks at what others have made, who waits for them.
+const MOMENT: Duration = Duration::from_millis(2);
 
 /// Another executor, asked for those runs alone of which there is no result, or of which more is wanted than was kept. The latter must come to
 /// what was kept, to the bit.
@@ -120,6 +74,10 @@ pub struct FromResults<'e> {
     stop: Stop,
     uses: Vec<(Arc<DeclaredProgram>, String)>,
     troubles: Mutex<Vec<String>>,
+    /// Of the runs that are made.
+    pace: Pace,
+    /// Rounds under way.
+    rounds: AtomicUsize,
 }
 
 impl<'e> FromResults<'e> {
@@ -131,8 +89,18 @@ impl<'e> FromResults<'e> {
         absent: AbsentRuns,
         stop: &Stop,
     ) -> Self {
-        let (uses, troubles) = (Vec::new(), Mutex::default());
-        Self { executor, digests, results, absent, ahead: 0, stop: stop.clone(), uses, troubles }
+        Self {
+            executor,
+            digests,
+            results,
+            absent,
+            ahead: 0,
+            stop: stop.clone(),
+            uses: Vec::new(),
+            troubles: Mutex::default(),
+            pace: Pace::new(),
+            rounds: AtomicUsize::new(0),
+        }
     }
 
     /// With so many threads that look up what may be asked for next, so that results are asked for of which nobody turns out to have need.
@@ -158,15 +126,18 @@ impl<'e> FromResults<'e> {
 
 impl Executor for FromResults<'_> {
     fn run(&self, round: &mut dyn Round) {
+        self.rounds.fetch_add(1, Ordering::Relaxed);
         thread::scope(|scope| {
             self.executor.run(&mut AnsweredRound {
                 round,
                 all: self,
                 under_way: HashMap::new(),
                 found: VecDeque::new(),
+                waiting: Waiting::default(),
                 ahead: Ahead { scope, readers: None, asked: 0, given: 0, told: BTreeMap::new() },
             });
         });
+        self.rounds.fetch_sub(1, Ordering::Relaxed);
     }
 
     fn parallelism(&self) -> usize {
@@ -196,6 +167,8 @@ struct AnsweredRound<'r, 's, 'v, 'e> {
     under_way: HashMap<JobPlace, UnderWay>,
     /// What comes next, in the order of the round.
     found: VecDeque<FoundRun>,
+    /// What nobody has made, as far as is known.
+    waiting: Waiting,
     ahead: Ahead<'s, 'v>,
 }
 
@@ -335,39 +308,133 @@ impl AnsweredRound<'_, '_, '_, '_> {
     }
 }
 
-impl Round for AnsweredRound<'_, '_, '_, '_> {
-    fn next(&mut self) -> Option<Job> {
-        loop {
-            let FoundRun { job, run, known, took } = self.found()?;
-            let known = match known {
-                Ok(Some(stored)) if !stored.is_of(&job) => {
+impl AnsweredRound<'_, '_, '_, '_> {
+    /// Answers a run that was looked up, or gives it back if it is absent, unless nothing more begins.
+    fn settle(&mut self, found: FoundRun) -> ControlFlow<(), Option<AbsentRun>> {
+        let FoundRun { job, run, known, took } = found;
+        let known = match known {
+            Ok(Some(stored)) if !stored.is_of(&job) => match self.all.absent {
+                AbsentRuns::Made => {
+                    self.all.results.forget(&run, &job.case.key);
+                    None
+                }
+                AbsentRuns::Refused => {
                     self.all.end_with(format!(
                         "what is kept as the result of {} is of another run",
                         job.case.key
                     ));
-                    return None;
+                    return ControlFlow::Break(());
                 }
-                Ok(Some(stored)) if stored.is_enough(job.wanted) => {
-                    let Job { place, case, wanted, .. } = job;
-                    self.round.done(Done { place, case, result: stored.told(wanted, took) });
+            },
+            Ok(Some(stored)) if stored.is_enough(job.wanted) => {
+                let Job { place, case, wanted, .. } = job;
+                self.round.done(Done { place, case, result: stored.told(wanted, took) });
+                return ControlFlow::Continue(None);
+            }
+            Ok(None) if self.all.absent == AbsentRuns::Refused => {
+                self.all.end_with(format!("there is no result of {}", job.case.key));
+                return ControlFlow::Break(());
+            }
+            Ok(known) => known,
+            Err(why) => {
+                self.all.end_with(format!("{}: {why}", job.case.key));
+                return ControlFlow::Break(());
+            }
+        };
+        ControlFlow::Continue(Some(AbsentRun { job, run, known }))
+    }
+
+    /// The next run of the round that is absent.
+    fn absent(&mut self) -> Option<AbsentRun> {
+        loop {
+            let found = self.found()?;
+            match self.settle(found) {
+                ControlFlow::Continue(None) => {}
+                ControlFlow::Continue(absent) => return absent,
+                ControlFlow::Break(()) => return None,
+            }
+        }
+    }
+
+    /// Answers those that others have made since, and has as many wait as there should.
+    fn renew(&mut self, sharing: &Sharing) {
+        if sharing.heard != self.waiting.heard {
+            self.waiting.heard = sharing.heard;
+            let is_made = |one: &AbsentRun| one.known.is_none() && self.all.results.holds(&one.run);
+            let (made, left) = std::mem::take(&mut self.waiting.runs).into_iter().partition(is_made);
+            self.waiting.runs = left;
+            let made: Vec<AbsentRun> = made;
+            for AbsentRun { job, run, .. } in made {
+                self.waiting.since = None;
+                let begun = Instant::now();
+                let known = self.all.results.find(&run);
+                let found = FoundRun { job, run, known, took: begun.elapsed() };
+                if let ControlFlow::Continue(Some(absent)) = self.settle(found) {
+                    self.waiting.runs.push(absent);
+                }
+            }
+        }
+        let most = Waiting::most(sharing, self.all.parallelism(), self.all.pace.run());
+        while self.waiting.runs.len() < most {
+            let Some(absent) = self.absent() else { break };
+            self.waiting.runs.push(absent);
+        }
+    }
+
+    /// Whether a moment was waited for a run that another worker is likely to be making: only where nobody here has anything else to do, and where this
+    /// worker has made something of the round, so that the other one is not far behind.
+    fn has_waited(&mut self, sharing: &Sharing) -> bool {
+        let is_idle = sharing.may_wait
+            && self.under_way.is_empty()
+            && self.waiting.given > 0
+            && self.all.rounds.load(Ordering::Relaxed) == 1
+            && !self.all.stop.is_requested();
+        let since = *self.waiting.since.get_or_insert_with(Instant::now);
+        if is_idle && self.all.pace.may_wait(since.elapsed()) {
+            thread::sleep(MOMENT);
+            return true;
+        }
+        self.all.pace.waited_in_vain(since.elapsed());
+        self.waiting.since = None;
+        false
+    }
+}
+
+impl Round for AnsweredRound<'_, '_, '_, '_> {
+    fn next(&mut self) -> Option<Job> {
+        let all = self.all;
+        let mut sharing = all.results.sharing(all.pace.run(), false);
+        let mut is_new = false;
+        loop {
+            self.renew(&sharing);
+            let at = match self.waiting.turn(&sharing, all.parallelism()) {
+                Turn::Nobody => return None,
+                Turn::Own(at) => at,
+                Turn::Others(_) | Turn::Begun(_) if !is_new => {
+                    sharing = all.results.sharing(all.pace.run(), true);
+                    is_new = true;
                     continue;
                 }
-                Ok(None) if self.all.absent == AbsentRuns::Refused => {
-                    self.all.end_with(format!("there is no result of {}", job.case.key));
-                    return None;
+                Turn::Begun(_) if self.has_waited(&sharing) => {
+                    is_new = false;
+                    continue;
                 }
-                Ok(known) => known,
-                Err(why) => {
-                    self.all.end_with(format!("{}: {why}", job.case.key));
-                    return None;
-                }
+                Turn::Others(at) | Turn::Begun(at) => at,
             };
-            self.under_way.insert(job.place, UnderWay { run, wanted: job.wanted, known });
-            return Some(job);
+            let AbsentRun { job, run, known } = self.waiting.runs.remove(at);
+            // By what those before it came to it may not be needed.
+            if self.round.is_wanted(job.place) {
+                (self.waiting.given, self.waiting.since) = (self.waiting.given + 1, None);
+                self.under_way.insert(job.place, UnderWay { run, wanted: job.wanted, known });
+                return Some(job);
+            }
         }
     }
 
     fn done(&mut self, done: Done) {
+        if let Ok(ran) = &done.result {
+            self.all.pace.took(ran.outcome.wall_time);
+        }
         match self.under_way.remove(&done.place) {
             Some(UnderWay { run, wanted, known: None }) => {
                 self.all.results.keep(run, StoredRun::of(wanted, &done.result));
@@ -389,22 +456,9 @@ impl Round for AnsweredRound<'_, '_, '_, '_> {
 /// Whether a run came to something else than was kept of it, or to none. Commands that differ are told of by whoever asked.
 fn differs(done: &Done, known: &StoredRun) -> bool {
     let again = StoredRun::of(Wanted::Outcome, &done.result);
-    let known = StoredRun::of(Wanted::Outcome, &known.result);
-    let is_told =
-        again.result.is_ok() && programs(&done.case).iter().any(|program| !program.is_known_whole());
+    let known = known.outcome_alone();
+    let is_told = again.has_ended() && programs(&done.case).iter().any(|program| !program.is_known_whole());
     !is_told && again.to_bytes() != known.to_bytes()
-}
-
-/// A run of which nothing else is told.
-fn bare(outcome: Outcome, decisions: Vec<LoggedDecision>) -> Ran {
-    Ran {
-        outcome,
-        decisions,
-        trace: sim::Trace::default(),
-        events: Vec::new(),
-        commands: Vec::new(),
-        details: None,
-    }
 }
 
 #[cfg(test)]
@@ -416,7 +470,7 @@ mod tests {
     use crate::run::MeasuredMetrics;
     use files::Memory;
     use models::standard;
-    use results::Requests;
+    use results::{Outcome, Requests};
 
     /// A run in which that controller decides.
     fn job(declared: &str, controller: &str) -> Job {

@@ -22,8 +22,10 @@ mod remembered;
 mod run_digest;
 mod sequence;
 mod serialised;
+mod shared_rounds;
 mod shuffled;
 mod stop;
+mod stored_run;
 #[cfg(test)]
 mod tests;
 mod threads;
@@ -38,7 +40,7 @@ pub use encoding::{DecodingError, EncodedBy};
 pub use executor::{Executor, Round};
 pub use first_runs::{FirstRun, FirstRuns, VerifyRuns};
 pub use free_flow::FreeFlows;
-pub use from_results::{AbsentRuns, FromResults, RunResults, StoredRun};
+pub use from_results::{AbsentRuns, FromResults, RunResults};
 pub use job::{
     Done, Job, JobFailure, JobPlace, LoggedDecision, MeasuredMetrics, Ran, Wanted, WentDifferently, programs,
     went_differently,
@@ -49,6 +51,9 @@ pub(crate) use remembered::Remembered;
 pub use run_digest::{RunDigest, RunDigests};
 pub(crate) use sequence::{Sequence, Sequences, run_sequences};
 pub use serialised::Serialised;
+pub use shared_rounds::Sharing;
 pub use shuffled::Shuffled;
 pub use stop::Stop;
+pub(crate) use stored_run::Disagreement;
+pub use stored_run::StoredRun;
 pub use threads::Threads;

@@ -78,6 +78,11 @@ impl RunDigests {
         RunDigest(hash.finalize().into())
     }
 
+    /// Whether no program decides in these runs that may decide otherwise another time.
+    pub(crate) fn are_repeatable(&self) -> bool {
+        self.programs.iter().all(|(program, _)| program.is_known_whole())
+    }
+
     fn program(&self, program: &Arc<DeclaredProgram>) -> String {
         let known = self.programs.iter().find(|(known, _)| known == program);
         // One that nobody has looked at is told by its declaration.

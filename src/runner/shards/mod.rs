@@ -8,6 +8,7 @@ mod build;
 mod canary;
 mod error;
 mod execute;
+mod joining;
 mod manifest;
 mod planned_unit;
 mod result_files;
@@ -16,6 +17,7 @@ mod slices;
 #[cfg(test)]
 mod tests;
 mod unit_journal;
+mod unit_runs;
 mod whole_units;
 
 pub use build::Build;

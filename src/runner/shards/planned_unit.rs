@@ -132,6 +132,14 @@ impl<'a> Planner<'a> {
         }
     }
 
+    /// Whether there may be units that decide themselves which runs they make.
+    pub(super) fn has_undecided(&self) -> bool {
+        let plans = || self.project.suites().iter().flat_map(|one| one.plan.scenarios());
+        let is_undecided = |certain: usize, all: usize| certain != all;
+        self.units.others().next().is_some()
+            || plans().any(|scenario| is_undecided(scenario.certain_runs(), scenario.runs()))
+    }
+
     /// A run of a trial as a session asks for it.
     pub(super) fn job(&self, case: Case, wanted: Wanted) -> Job {
         self.runner.job(JobPlace::default(), case, wanted)

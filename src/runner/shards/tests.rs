@@ -16,6 +16,8 @@ use files::Disk;
 use models::standard;
 use results::{Results, Unheard, UnitReport};
 
+mod sharing;
+
 /// Trials of fixed and of open length, all of whose runs a gate compares.
 const GATED: &str = r#"suite everything {
   seed 20261122
@@ -181,21 +183,44 @@ fn execute_until(
     mine: &(dyn Fn(usize, &str) -> bool + Sync),
     stop: &Stop,
 ) -> Result<Executed, ShardError> {
-    let (units, digests) = (units(project.suites()), digests());
-    let planner = Planner::new(project, &units, executor, &digests);
-    let canary = manifest.header().canary.clone();
-    let execution = Execution {
-        planner: &planner,
-        manifest,
-        executor,
-        verify: VerifyRuns::Some,
-        folder: &place.results(),
-        mine,
-        reuse: true,
-        canary: &canary,
-        stop,
-    };
-    execution.run(&|_, _| ())
+    let worker = Worker { name: "here.1", mine, joins: false };
+    worker.execute(place, project, manifest, executor, stop)
+}
+
+/// One of those at a manifest.
+struct Worker<'w> {
+    name: &'w str,
+    mine: &'w (dyn Fn(usize, &str) -> bool + Sync),
+    joins: bool,
+}
+
+impl Worker<'_> {
+    fn execute(
+        &self,
+        place: &Place,
+        project: &Project,
+        manifest: &ManifestReader,
+        executor: &dyn Executor,
+        stop: &Stop,
+    ) -> Result<Executed, ShardError> {
+        let (units, digests) = (units(project.suites()), digests());
+        let planner = Planner::new(project, &units, executor, &digests);
+        let canary = manifest.header().canary.clone();
+        let execution = Execution {
+            planner: &planner,
+            manifest,
+            executor,
+            verify: VerifyRuns::Some,
+            folder: &place.results(),
+            mine: self.mine,
+            reuse: true,
+            canary: &canary,
+            worker: self.name,
+            joins: &|| self.joins,
+            stop,
+        };
+        execution.run(&|_, _| ())
+    }
 }
 
 /// An executor for what must not be made.

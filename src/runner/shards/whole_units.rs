@@ -2,65 +2,17 @@
 //! runs alone that a session over the results will ask for.
 
 use std::collections::{HashMap, HashSet};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::Arc;
 
 use super::error::ShardError;
 use super::planned_unit::Planner;
-use super::result_files::ResultFiles;
 use super::slices::SliceRuns;
-use super::unit_journal::{Resumed, UnitJournal};
+use super::unit_runs::{NotEnded, UnitRuns};
 use crate::experiment::Silent;
-use crate::run::{
-    AbsentRuns, Executor, FromResults, RunDigest, RunResults, Stop, StoredRun, VerifyRuns, Wanted,
-};
+use crate::run::{AbsentRuns, Executor, FromResults, Stop, StoredRun, VerifyRuns, Wanted};
 use crate::session::{Runner, Usable, Work, second_runs, tested_controllers, with_needs};
 use results::{Cut, TrialState, UnitReport};
 use scenario::Block;
-
-/// What is known before a unit is made.
-#[derive(Default)]
-pub struct KnownRuns {
-    /// What a worker that did not come to its end has left.
-    pub resumed: Resumed,
-    /// Of the units that it builds on.
-    pub needed: Option<ResultFiles>,
-}
-
-/// Results in memory, which note what is asked for.
-struct InMemory {
-    runs: Mutex<HashMap<RunDigest, StoredRun>>,
-    asked: Mutex<Vec<RunDigest>>,
-    journal: Mutex<UnitJournal>,
-    needed: Option<ResultFiles>,
-}
-
-impl RunResults for InMemory {
-    fn find(&self, run: &RunDigest) -> Result<Option<StoredRun>, String> {
-        lock(&self.asked).push(*run);
-        Ok(self.known(run))
-    }
-
-    fn keep(&self, run: RunDigest, stored: StoredRun) {
-        lock(&self.journal).record(&run, &stored);
-        lock(&self.runs).insert(run, stored);
-    }
-}
-
-impl InMemory {
-    fn known(&self, run: &RunDigest) -> Option<StoredRun> {
-        let own = lock(&self.runs).get(run).cloned();
-        // What cannot be read is made.
-        own.or_else(|| self.needed.as_ref()?.find(run).ok()?)
-    }
-
-    fn asked(&self) -> Vec<RunDigest> {
-        std::mem::take(&mut lock(&self.asked))
-    }
-}
-
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
 
 /// A unit that decides itself which runs it makes.
 #[derive(Clone, Copy)]
@@ -78,51 +30,51 @@ pub struct WholeUnit<'u, 'a> {
 /// What came of one.
 pub struct WholeResults {
     pub runs: SliceRuns,
-    /// To be removed when they are where they belong.
-    pub journal: UnitJournal,
     /// Whether it is a trial that took longer than its `time_limit`.
     pub is_over_limit: bool,
 }
 
 impl WholeUnit<'_, '_> {
     /// Makes all runs that are not known and returns those that it needs, each once. What it builds on is made, too, and is not returned: that is in
-    /// the results of other units.
-    pub fn run(self, known: KnownRuns, stop: &Stop) -> Result<WholeResults, ShardError> {
-        let KnownRuns { resumed: Resumed { journal, runs, .. }, needed } = known;
-        let (runs, journal) = (Mutex::new(runs), Mutex::new(journal));
-        let results = InMemory { runs, asked: Mutex::default(), journal, needed };
+    /// the results of other units. It may turn out on the way that it is not to be made here.
+    pub fn run(self, results: &UnitRuns, stop: &Stop) -> Result<Result<WholeResults, NotEnded>, ShardError> {
         let pass = |absent: AbsentRuns| {
             // One that ends itself for want of a run must not end the others.
-            let own = if absent == AbsentRuns::Refused { Stop::default() } else { stop.clone() };
-            let from = FromResults::new(self.executor, self.planner.digests, &results, absent, &own);
-            let cut = self.run_from(&from, absent == AbsentRuns::Made, &own, &results);
-            (cut, from.troubles())
+            let own = if absent == AbsentRuns::Refused { Stop::default() } else { results.stop().clone() };
+            let from = FromResults::new(self.executor, self.planner.digests, results, absent, &own);
+            let cut = self.run_from(&from, absent == AbsentRuns::Made, &own, results);
+            (cut, from.troubles().into_iter().next())
         };
-        let (cut, _) = pass(AbsentRuns::Made);
+        let (cut, trouble) = pass(AbsentRuns::Made);
         if stop.is_requested() {
             return Err(ShardError::Stopped);
         }
+        if let Some(why) = results.ended() {
+            return Ok(Err(why));
+        }
+        let other_files = |message: String| Err(ShardError::OtherFiles { message });
+        let key = || self.planner.units.key(self.unit);
+        if let Some(trouble) = trouble {
+            return other_files(format!("{}: {trouble}", key()));
+        }
         if let Some(finished) = cut {
-            self.end_at(finished, &results);
+            self.end_at(finished, results);
         }
         results.asked();
-        if let Some(trouble) = pass(AbsentRuns::Refused).1.into_iter().next() {
-            let key = self.planner.units.key(self.unit);
-            let message = format!("{key} asked for other runs when it was repeated: {trouble}");
-            return Err(ShardError::OtherFiles { message });
+        if let Some(trouble) = pass(AbsentRuns::Refused).1 {
+            return other_files(format!("{} asked for other runs when it was repeated: {trouble}", key()));
         }
         let mut known = HashSet::new();
         let asked = results.asked().into_iter().filter(|run| known.insert(*run));
         let runs = asked.filter_map(|run| Some((run, results.known(&run)?))).collect();
-        let journal = results.journal.into_inner().unwrap_or_else(PoisonError::into_inner);
-        Ok(WholeResults { runs, journal, is_over_limit: cut.is_some() })
+        Ok(Ok(WholeResults { runs, is_over_limit: cut.is_some() }))
     }
 
     /// The run of a trial before which its time was over has no result, though it may have come to its end besides.
-    fn end_at(&self, finished: usize, results: &InMemory) {
+    fn end_at(&self, finished: usize, results: &UnitRuns) {
         let Some(trial) = self.planner.units.get(self.unit).trial() else { return };
         let job = self.planner.job(trial.cases.get(finished), Wanted::Outcome);
-        lock(&results.runs).insert(self.planner.digests.of(&job), StoredRun::over_time_limit());
+        results.put(self.planner.digests.of(&job), StoredRun::over_time_limit());
     }
 
     /// After how many runs its time was over, if it was; with `timed` it is measured.
@@ -131,7 +83,7 @@ impl WholeUnit<'_, '_> {
         executor: &FromResults,
         timed: bool,
         stop: &Stop,
-        results: &InMemory,
+        results: &UnitRuns,
     ) -> Option<usize> {
         let (project, units) = (self.planner.project, self.planner.units);
         let runner = || {
