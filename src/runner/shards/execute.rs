@@ -102,6 +102,7 @@ impl Execution<'_> {
         if self.manifest.header().canary != self.canary {
             return Err(ShardError::OtherCanary { path: self.manifest.path().to_path_buf() });
         }
+        let begun = Instant::now();
         let (numbers, levels) = (self.numbers()?, self.levels());
         let highest = levels.values().copied().max().unwrap_or(0);
         let mut executed = Executed::default();
@@ -136,7 +137,7 @@ impl Execution<'_> {
                 None => executed = state.executed,
             }
         }
-        self.join_others(&|_| true, &numbers, &mut executed, told)?;
+        self.join_any(begun, &numbers, &mut executed, told)?;
         Ok(executed)
     }
 

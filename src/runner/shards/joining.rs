@@ -18,22 +18,36 @@ use files::{Disk, Files};
 const PATIENCE: Duration = Duration::from_secs(5);
 /// After something that it helped with, a worker waits for so long for what comes next.
 const LULL: Duration = Duration::from_secs(1);
+/// Workers that are started together begin their journals within so long.
+const TOGETHER: Duration = Duration::from_millis(500);
 /// They are looked at that often.
 const PAUSE: Duration = Duration::from_millis(50);
 
 type Lengths = BTreeMap<String, (u64, usize)>;
 
 impl Execution<'_> {
-    /// Helps with one batch after the other of those that are `wanted`, until there is none that somebody is at.
-    pub(super) fn join_others(
+    /// Helps with all that others are at, as a worker that began at that time.
+    pub(super) fn join_any(
+        &self,
+        begun: Instant,
+        numbers: &HashMap<usize, usize>,
+        executed: &mut Executed,
+        told: &(dyn Fn(&UnitBatch, BatchProgress) + Sync),
+    ) -> Result<(), ShardError> {
+        let lull = if self.planner.has_undecided() { TOGETHER } else { Duration::ZERO };
+        self.join_others(&|_| true, lull.saturating_sub(begun.elapsed()), numbers, executed, told)
+    }
+
+    /// Helps with one batch after the other of those that are `wanted`, until for a `lull` there is none that somebody is at.
+    fn join_others(
         &self,
         wanted: &dyn Fn(&UnitBatch) -> bool,
+        mut lull: Duration,
         numbers: &HashMap<usize, usize>,
         executed: &mut Executed,
         told: &(dyn Fn(&UnitBatch, BatchProgress) + Sync),
     ) -> Result<(), ShardError> {
         let mut left = HashSet::new();
-        let mut lull = Duration::ZERO;
         while self.reuse && (self.joins)() {
             let is_candidate = |batch: &UnitBatch| !left.contains(&batch.id) && wanted(batch);
             let Some(batch) = self.begun_elsewhere(&is_candidate, lull)? else { return Ok(()) };
@@ -77,7 +91,10 @@ impl Execution<'_> {
         let is_needed = |batch: &UnitBatch| {
             !own.contains(&batch.id) && batch.units.iter().any(|unit| needed.get(unit.unit) == Some(&true))
         };
-        if own.is_empty() { Ok(()) } else { self.join_others(&is_needed, numbers, executed, told) }
+        if own.is_empty() {
+            return Ok(());
+        }
+        self.join_others(&is_needed, Duration::ZERO, numbers, executed, told)
     }
 
     /// A batch that has no results and of which a unit has a journal that grows: the one with the fewest workers.
@@ -90,11 +107,14 @@ impl Execution<'_> {
         loop {
             let before = journal_lengths(self.folder);
             // Without a journal no manifest is read again.
-            let candidates = if before.is_empty() { Vec::new() } else { self.begun(&before, is_candidate)? };
+            let has_journal =
+                |batch: &UnitBatch| batch.units.iter().any(|unit| before.contains_key(&unit.id));
+            let is_begun = |batch: &UnitBatch| has_journal(batch) && is_candidate(batch);
+            let candidates = if before.is_empty() { Vec::new() } else { self.left(&is_begun)? };
             if !candidates.is_empty() {
                 return self.growing(candidates, &before);
             }
-            if begun.elapsed() >= lull {
+            if begun.elapsed() >= lull || self.left(is_candidate)?.is_empty() {
                 return Ok(None);
             }
             self.pause()?;
@@ -124,18 +144,12 @@ impl Execution<'_> {
         if self.stop.is_requested() { Err(ShardError::Stopped) } else { Ok(()) }
     }
 
-    fn begun(
-        &self,
-        journals: &Lengths,
-        is_candidate: &dyn Fn(&UnitBatch) -> bool,
-    ) -> Result<Vec<UnitBatch>, ShardError> {
-        let is_begun = |batch: &UnitBatch| {
-            is_undecided(batch)
-                && batch.units.iter().any(|unit| journals.contains_key(&unit.id))
-                && is_candidate(batch)
-                && !Disk.is_file(&batch.path(self.folder))
+    /// Candidates that come in rounds and have no results.
+    fn left(&self, is_candidate: &dyn Fn(&UnitBatch) -> bool) -> Result<Vec<UnitBatch>, ShardError> {
+        let is_left = |batch: &UnitBatch| {
+            is_undecided(batch) && is_candidate(batch) && !Disk.is_file(&batch.path(self.folder))
         };
-        self.manifest.batches()?.filter(|batch| batch.as_ref().map_or(true, is_begun)).collect()
+        self.manifest.batches()?.filter(|batch| batch.as_ref().map_or(true, is_left)).collect()
     }
 
     /// So that not all workers join at the same place.
