@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::outcome::Critical;
+use super::critical::Critical;
 use super::written_counts::is_zero;
 use crate::Verdict;
 use numbers::json;

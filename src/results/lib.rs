@@ -12,6 +12,7 @@ mod calibrate;
 mod cases;
 mod chosen;
 mod controller;
+mod critical;
 mod cut;
 mod estimate;
 mod evaluate;
@@ -62,6 +63,7 @@ pub use calibrate::{
 pub use cases::{CaseRun, MetricSummary, SavedCase, SavedSet};
 pub use chosen::{Chosen, choose_runs};
 pub use controller::{AnswerTimes, DifferingRun, TestedController};
+pub use critical::{ByMetric, Critical};
 pub use cut::{Cut, CutBy};
 pub use estimate::{
     ComparedEstimate, EstimateResult, EstimatedClaim, EstimatedCluster, EstimatedRun, EventsPerDistance,
@@ -74,7 +76,7 @@ pub use gate::{
     BlindPlace, Change, ChangedRun, Check, CheckOutcome, ComparedSubject, GateReport, GateState, GateVerdict,
     Looks, NotJudged, Power, Refusal, TrialChange,
 };
-pub use outcome::{ByMetric, Critical, CutOff, OnCourse, Outcome, Unfinished};
+pub use outcome::{CutOff, OnCourse, Outcome, Unfinished};
 pub use overall::Overall;
 pub use parting::{
     AgainstBaseline, Doing, InBoth, MetricThen, OneOfTwo, PARTED_LENGTH, PARTED_SPEED, PartedIn, Parting,

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::outcome::{ByMetric, Critical};
+use super::critical::{ByMetric, Critical};
 
 /// Metric, time, and of vehicle, pedestrian and whatever else which name it is.
 type Packed = (usize, Option<f64>, [Option<usize>; 3]);
