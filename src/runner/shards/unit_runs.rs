@@ -229,8 +229,13 @@ impl<'u> UnitRuns<'u> {
             return true;
         }
         looking.before = now;
-        first * LEAST_SHARE * looking.standing.0 >= first + heard
+        is_help(first, heard, looking.standing.0)
     }
+}
+
+/// Whether a worker that made so many runs before all others, and heard of so many of theirs, is a help.
+fn is_help(first: usize, heard: usize, workers: usize) -> bool {
+    first * LEAST_SHARE * workers >= first + heard
 }
 
 impl RunResults for UnitRuns<'_> {
@@ -270,5 +275,17 @@ impl RunResults for UnitRuns<'_> {
         }
         let (workers, place) = looking.standing;
         Sharing { workers, place, heard: self.counts().heard as u64, may_wait: (looking.with.is_idle)() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_quarter_of_an_equal_part_is_a_help_and_less_is_none() {
+        assert!(is_help(32, 32, 2) && is_help(8, 56, 2) && is_help(64, 0, 2));
+        assert!(!is_help(7, 57, 2) && !is_help(0, 64, 2));
+        assert!(is_help(4, 60, 4) && !is_help(3, 61, 4));
     }
 }

@@ -164,9 +164,9 @@ fn workers_with_the_same_share_make_its_runs_together() {
             alone.assert_same(unit);
             let made: Vec<usize> = executors.iter().map(Slow::made).collect();
             let said = format!("{unit}: {made:?} of {}", alone.runs);
-            assert!(made.iter().all(|made| *made * 6 * workers >= alone.runs), "{said}");
+            assert!(made.iter().all(|made| *made * 15 * workers >= alone.runs), "{said}");
             // What is made twice is little.
-            assert!(made.iter().sum::<usize>() < alone.runs * workers * 4 / 5 + 20, "{said}");
+            assert!(made.iter().sum::<usize>() < alone.runs * workers * 9 / 10 + 20, "{said}");
             assert_eq!(merge(&place, &alone.project, &alone.manifest).map(|_| ()), Ok(()), "{unit}");
             alone.begin_anew();
         }
@@ -192,8 +192,8 @@ fn a_worker_joins_what_another_one_is_at_and_a_worker_that_ends_is_made_up_for()
         });
         let said = format!("{unit}: {} and {} of {}: {joined:?}", first.made(), second.made(), alone.runs);
         assert!(joined.joined > 0 && joined.shared > 0 && joined.made == 0, "{said}");
-        assert!(second.made() * 5 > alone.runs && first.made() * 5 > alone.runs, "{said}");
-        assert!(first.made() + second.made() < alone.runs * 7 / 4, "{said}");
+        assert!(second.made() * 15 > alone.runs && first.made() * 15 > alone.runs, "{said}");
+        assert!(first.made() + second.made() < alone.runs * 19 / 10, "{said}");
         alone.assert_same(&said);
     }
 }
@@ -231,7 +231,8 @@ fn a_search_point_by_point_is_left_to_one() {
     );
     fs::write(&place.files[0], text).unwrap();
     let alone = Alone::new(&place, "=found");
-    let (first, second) = (Slow::new(8), Slow::new(8));
+    // Whoever is faster is a help.
+    let (first, second) = (Slow::new(8), Slow::new(24));
     let joined = thread::scope(|scope| {
         let begun = scope.spawn(|| alone.work("here.1", true, &first).unwrap());
         alone.await_runs(&first, 5);
