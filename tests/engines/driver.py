@@ -62,12 +62,14 @@ def parent(process):
         return 0
 
 
-def kill(process):
-    """Ends it, if it is still there."""
-    try:
-        os.kill(process, signal.SIGKILL)
-    except ProcessLookupError:
-        pass
+def kill(*processes):
+    """Ends those that are still there, all at once: none goes on because another one that it waits for has ended."""
+    for what in (signal.SIGSTOP, signal.SIGKILL):
+        for process in processes:
+            try:
+                os.kill(process, what)
+            except ProcessLookupError:
+                pass
 
 
 def expect_loopback(processes):

@@ -103,9 +103,7 @@ class Cluster:
         daemon = self.daemons.pop(node)
         daemon.kill()
         daemon.wait()
-        for one in parents | set(steps):
-            if one > 1:
-                kill(one)
+        kill(*[one for one in sorted(parents | set(steps)) if one > 1])
 
     def ask(self, *command):
         said = subprocess.run(command, env=self.environment, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=30, check=False)
