@@ -4,6 +4,7 @@
 //! with if a rule is to describe it: of the many statements that a line may be, it tries those that begin like the line.
 
 use std::collections::HashMap;
+use std::mem::discriminant;
 use std::path::Path;
 use std::{env, fs};
 
@@ -190,7 +191,7 @@ impl Made<'_> {
                     let part = self.code(part, within);
                     format!("let Some(at) = ({part}) else {{ reader.forget(told); break '{label} None }}; ")
                 };
-                let parts: Vec<String> = sequence(expression).into_iter().map(part).collect();
+                let parts: Vec<String> = parts(expression).into_iter().map(part).collect();
                 let parts =
                     parts.join(&format!("let at = if {atomic} {{ at }} else {{ skip(reader, at) }}; "));
                 format!("'{label}: {{ let told = reader.told(); {parts} Some(at) }}")
@@ -201,7 +202,7 @@ impl Made<'_> {
                     let part = self.guarded(part, within);
                     format!("if let Some(end) = {part} {{ break '{label} Some(end) }} ")
                 };
-                let parts: String = choice(expression).into_iter().map(part).collect();
+                let parts: String = parts(expression).into_iter().map(part).collect();
                 format!("'{label}: {{ {parts} None }}")
             }
             OptimizedExpr::Opt(inner) => {
@@ -235,19 +236,12 @@ impl Made<'_> {
     }
 }
 
-fn sequence(expression: &OptimizedExpr) -> Vec<&OptimizedExpr> {
+/// Of a sequence or a choice, what is in it one after the other.
+fn parts(expression: &OptimizedExpr) -> Vec<&OptimizedExpr> {
     let (mut parts, mut rest) = (Vec::new(), expression);
-    while let OptimizedExpr::Seq(one, other) = rest {
-        parts.push(&**one);
-        rest = other;
-    }
-    parts.push(rest);
-    parts
-}
-
-fn choice(expression: &OptimizedExpr) -> Vec<&OptimizedExpr> {
-    let (mut parts, mut rest) = (Vec::new(), expression);
-    while let OptimizedExpr::Choice(one, other) = rest {
+    while let OptimizedExpr::Seq(one, other) | OptimizedExpr::Choice(one, other) = rest
+        && discriminant(rest) == discriminant(expression)
+    {
         parts.push(&**one);
         rest = other;
     }

@@ -140,6 +140,34 @@ pub(super) fn stated(line: &str) -> u32 {
     digits.and_then(|digits| u32::from_str_radix(digits, 16).ok()).unwrap_or(0)
 }
 
+/// What a first line says, and its checksum.
+pub(super) fn header(path: &Path, format: LogFormat, line: &[u8]) -> Result<(Header, u32), LogError> {
+    let text = String::from_utf8_lossy(line);
+    // Before the checksum: another version may have another one.
+    let header = serde_json::from_str::<Header>(&text).ok().filter(|header| header.log == format.name);
+    let header = header.ok_or_else(|| not_a_log(path, format))?;
+    if header.version != format.version {
+        return Err(LogError::OtherVersion {
+            path: path.to_owned(),
+            expected: format.name,
+            found: header.version,
+            known: format.version,
+        });
+    }
+    match record(0, 0, line) {
+        Some(_) => Ok((header, stated(&text))),
+        None => Err(LogError::Damaged {
+            path: path.to_owned(),
+            line: 1,
+            reason: "its checksum is wrong".to_string(),
+        }),
+    }
+}
+
+fn not_a_log(path: &Path, format: LogFormat) -> LogError {
+    LogError::NotALog { path: path.to_owned(), expected: format.name }
+}
+
 fn checksum(seed: u32, place: u64, body: &[u8]) -> u32 {
     let mut hasher = crc32fast::Hasher::new();
     hasher.update(&seed.to_le_bytes());
@@ -178,34 +206,14 @@ impl LogReader {
     }
 
     fn begin(path: &Path, format: LogFormat, mut lines: Lines) -> Result<Self, LogError> {
-        let not_a_log = || LogError::NotALog { path: path.to_owned(), expected: format.name };
         let first = match lines.next_line() {
             Ok(line) => line.unwrap_or_default().to_vec(),
-            Err(ReadError::TooLarge { .. }) => return Err(not_a_log()),
+            Err(ReadError::TooLarge { .. }) => return Err(not_a_log(path, format)),
             Err(error) => return Err(LogError::Read { path: path.to_owned(), error }),
         };
-        let text = String::from_utf8_lossy(&first);
-        // Before the checksum: another version may have another one.
-        let header = serde_json::from_str::<Header>(&text).ok().filter(|header| header.log == format.name);
-        let whole = record(0, 0, &first);
-        match header {
-            Some(header) if header.version != format.version => Err(LogError::OtherVersion {
-                path: path.to_owned(),
-                expected: format.name,
-                found: header.version,
-                known: format.version,
-            }),
-            Some(header) if whole.is_some() => {
-                let (seed, whole) = (stated(&text), first.len() as u64);
-                Ok(Self { path: path.to_owned(), lines, header, seed, place: 1, whole, cut: None })
-            }
-            Some(_) => Err(LogError::Damaged {
-                path: path.to_owned(),
-                line: 1,
-                reason: "its checksum is wrong".to_string(),
-            }),
-            None => Err(not_a_log()),
-        }
+        let (header, seed) = header(path, format, &first)?;
+        let whole = first.len() as u64;
+        Ok(Self { path: path.to_owned(), lines, header, seed, place: 1, whole, cut: None })
     }
 
     /// What it says of itself.

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 
-use super::log_reader::{Header, LARGEST_RECORD, LogError, LogFormat, record, stated};
+use super::log_reader::{LARGEST_RECORD, LogError, LogFormat, header, record};
 use super::read::{Lines, ReadError, open};
 
 /// How far a log was read. Nothing is locked and nothing held open: whoever writes it may remove it at any moment.
@@ -73,21 +73,12 @@ impl LogTail {
     }
 
     fn begin(&mut self, line: &[u8]) -> Result<(), LogError> {
-        let text = String::from_utf8_lossy(line);
-        let (path, expected) = (self.path.clone(), self.format.name);
-        let header = serde_json::from_str::<Header>(&text).ok().filter(|header| header.log == expected);
-        let Some(header) = header else { return Err(LogError::NotALog { path, expected }) };
-        if header.version != self.format.version {
-            let (found, known) = (header.version, self.format.version);
-            return Err(LogError::OtherVersion { path, expected, found, known });
-        }
-        if record(0, 0, line).is_none() {
-            return Err(self.damaged("its checksum is wrong"));
-        }
+        let (header, seed) = header(&self.path, self.format, line)?;
         if header.of != self.of {
+            let (path, expected) = (self.path.clone(), self.format.name);
             return Err(LogError::OtherSubject { path, expected, difference: "another one wrote it".into() });
         }
-        self.seed = stated(&text);
+        self.seed = seed;
         Ok(())
     }
 

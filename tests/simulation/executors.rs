@@ -170,6 +170,19 @@ fn timeless(value: &mut Value) {
     }
 }
 
+/// Everything that is chosen, held to the end.
+fn orders<'o>(chosen: &'o [bool], first: &'o [bool]) -> Orders<'o> {
+    Orders {
+        chosen,
+        first,
+        max_failures: None,
+        every_trial: true,
+        memory: None,
+        lenient: false,
+        pilot: false,
+    }
+}
+
 /// Everything that the suite comes to, and what its first failing run shrinks to; `is_first` says of each unit whether it comes before those
 /// that do not.
 fn run_by(executor: &dyn Executor, folder: &Path, is_first: fn(usize) -> bool) -> (String, String) {
@@ -178,16 +191,7 @@ fn run_by(executor: &dyn Executor, folder: &Path, is_first: fn(usize) -> bool) -
     let units = units(&suites);
     let chosen = vec![true; units.len()];
     let first: Vec<bool> = (0..units.len()).map(is_first).collect();
-    let orders = Orders {
-        chosen: &chosen,
-        first: &first,
-        max_failures: None,
-        every_trial: true,
-        memory: None,
-        lenient: false,
-        pilot: false,
-    };
-    let mut reports = session.run(&units, &orders, &mut Unheard);
+    let mut reports = session.run(&units, &orders(&chosen, &first), &mut Unheard);
     let baseline = folder.join("everything.json");
     if !baseline.exists() {
         let trials: Vec<_> = reports[0].trials.iter().collect();
@@ -260,16 +264,7 @@ fn fingerprints(executor: &dyn Executor, file: &str) -> BTreeMap<String, u64> {
     let session = Runner::new(project.suites(), executor, &standard());
     let units = units(project.suites());
     let chosen = vec![true; units.len()];
-    let orders = Orders {
-        chosen: &chosen,
-        first: &chosen,
-        max_failures: None,
-        every_trial: true,
-        memory: None,
-        lenient: false,
-        pilot: false,
-    };
-    let reports = session.run(&units, &orders, &mut Unheard).remove(0);
+    let reports = session.run(&units, &orders(&chosen, &[]), &mut Unheard).remove(0);
     let runs = reports.trials.iter().flat_map(|trial| &trial.outcomes);
     let runs = runs.map(|outcome| (outcome.key.to_string(), outcome.fingerprint));
     let blocks = reports.blocks.iter().map(|block| {

@@ -10,12 +10,10 @@ use std::time::{Duration, Instant};
 use super::error::ShardError;
 use super::execute::{BatchEnd, BatchProgress, Executed, Execution, is_undecided};
 use super::manifest::UnitBatch;
-use super::unit_journal::journal_lengths;
+use super::unit_journal::{LONGEST_PAUSE, journal_lengths};
 use crate::session::with_needs;
 use files::{Disk, Files};
 
-/// Journals that do not grow for so long are taken for left behind.
-const PATIENCE: Duration = Duration::from_secs(5);
 /// After something that it helped with, a worker waits for so long for what comes next.
 const LULL: Duration = Duration::from_secs(1);
 /// Workers that are started together begin their journals within so long.
@@ -127,7 +125,7 @@ impl Execution<'_> {
         before: &Lengths,
     ) -> Result<Option<UnitBatch>, ShardError> {
         let begun = Instant::now();
-        while !candidates.is_empty() && begun.elapsed() < PATIENCE {
+        while !candidates.is_empty() && begun.elapsed() < LONGEST_PAUSE {
             self.pause()?;
             let now = journal_lengths(self.folder);
             candidates.retain(|batch| !Disk.is_file(&batch.path(self.folder)));

@@ -17,7 +17,7 @@ const FORMAT: LogFormat = LogFormat { name: "scenario-runner journal of a unit",
 const FOLDER: &str = "journal";
 
 /// A journal that has not grown for so long is nobody's any more, unless runs take longer.
-const LONGEST_PAUSE: Duration = Duration::from_secs(5);
+pub const LONGEST_PAUSE: Duration = Duration::from_secs(5);
 
 /// What was recorded is brought to the disk after so long, where others on a network see it, and not more often than so many times what that takes.
 const UNSYNCED: Duration = Duration::from_millis(100);
