@@ -19,7 +19,7 @@ pub fn base64(bytes: &[u8]) -> String {
     STANDARD.encode(bytes)
 }
 
-/// What [`base64`] wrote; `None` for anything else, also for other letters of the same bytes.
+/// What [`base64()`] wrote; `None` for anything else, also for other letters of the same bytes.
 pub fn from_base64(text: &str) -> Option<Vec<u8>> {
     STANDARD.decode(text).ok()
 }
