@@ -163,7 +163,7 @@ pub fn look_for<'a>(key: &str, suites: &'a [PlannedSuite]) -> Option<Result<Foun
     let trials = || suites.iter().flat_map(|suite| suite.plan.trials().map(move |one| (suite, one)));
     let named = |(suite, trial): (&'a PlannedSuite, PlannedTrial)| {
         let case = trial.cases.named(key)?;
-        Some(FoundCase { suite, case, criteria: trial.criteria.clone() })
+        Some(FoundCase { suite, case, criteria: trial.criteria.to_vec() })
     };
     if let Some(found) = trials().find_map(named) {
         return Some(Ok(found));

@@ -94,7 +94,7 @@ impl Data<'_> {
             plain && (FLAGS.contains(&name) || QUANTITIES.contains(&name))
         };
         let wanted = |reference: &MetricReference| {
-            let mut criteria = self.report.trials.iter().flat_map(|trial| &trial.trial.criteria);
+            let mut criteria = self.report.trials.iter().flat_map(|trial| trial.trial.criteria.iter());
             usual(reference) || criteria.any(|criterion| criterion.claim.metric() == reference)
         };
         let all = self.requests.iter().enumerate();
@@ -113,7 +113,7 @@ impl Data<'_> {
     /// The unit that the first of the criteria about a metric is written in: what its charts are drawn in.
     fn notation(&self, index: usize) -> Option<Notation> {
         let reference = self.reference(index);
-        let criteria = self.report.trials.iter().flat_map(|trial| &trial.trial.criteria);
+        let criteria = self.report.trials.iter().flat_map(|trial| trial.trial.criteria.iter());
         written_unit(criteria, reference, reference.known()?)
     }
 
@@ -148,7 +148,7 @@ impl Data<'_> {
     fn rules(&self, trials: &[&TrialReport], index: usize) -> Vec<Rule> {
         let unit = self.notation(index);
         let mut rules: Vec<(f64, Rule)> = Vec::new();
-        for criterion in trials.iter().flat_map(|trial| &trial.trial.criteria) {
+        for criterion in trials.iter().flat_map(|trial| trial.trial.criteria.iter()) {
             let comparison = match &criterion.claim {
                 Claim::Runs { comparison, .. } => comparison,
                 Claim::Aggregate {

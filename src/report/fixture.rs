@@ -91,7 +91,7 @@ impl Session {
                 }
             }
             planned.cases = cases.into();
-            for criterion in &mut trial.criteria {
+            for criterion in Arc::make_mut(&mut trial.criteria) {
                 let origin = &mut criterion.origin;
                 name(&mut criterion.text);
                 [&mut origin.file, &mut origin.source_line].into_iter().for_each(shared);

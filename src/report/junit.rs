@@ -230,7 +230,7 @@ fn trial_case(report: &SuiteReport, trial: &TrialReport, requests: &Requests) ->
     }
     for (index, reference) in requests.iter().enumerate() {
         let Some(metric) = reference.known() else { continue };
-        let unit = written_unit(&trial.trial.criteria, reference, metric);
+        let unit = written_unit(trial.trial.criteria.iter(), reference, metric);
         case.property(&reference.label(), &Digest::new(metric, unit, &trial.outcomes, index).long());
     }
     for finding in trial.findings() {

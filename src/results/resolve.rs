@@ -76,7 +76,7 @@ fn of_findings(findings: &mut [Finding], resolve: Resolve) {
 }
 
 fn of_trial(report: &mut TrialReport, resolve: Resolve) {
-    let criteria = &mut Arc::make_mut(&mut report.trial).criteria;
+    let criteria = Arc::make_mut(&mut Arc::make_mut(&mut report.trial).criteria);
     criteria.iter_mut().for_each(|criterion| resolve(&mut criterion.claim.metric_mut().metric));
     if let TrialState::Judged(judged) = &mut report.state {
         of_findings(&mut judged.findings, resolve);

@@ -80,7 +80,7 @@ pub fn counterpart(
     };
     let key = format!("{}{}", trial.key, beyond_trial(suite, reference));
     let case = of_seed(&trial, &key, reference.seed)?.ok_or(NoCounterpart::AtPoint(key))?;
-    Ok((case, trial.criteria.clone()))
+    Ok((case, trial.criteria.to_vec()))
 }
 
 /// The run of that name with that seed.

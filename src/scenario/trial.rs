@@ -1,5 +1,7 @@
 //! What gets a verdict: a scenario with one value for each of its variations.
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
 use super::{Assignment, Criterion, Origin};
@@ -23,8 +25,8 @@ pub struct Trial {
     pub first_run: String,
     /// Where runs are added until the criteria are decided: how.
     pub rounds: Option<Rounds>,
-    /// Those whose `when` holds, with every bound a constant.
-    pub criteria: Vec<Criterion>,
+    /// Those whose `when` holds, with every bound a constant; trials to which the same apply share them.
+    pub criteria: Arc<[Criterion]>,
     /// How many criteria its scenario has, whether they apply to this trial or not.
     pub declared: usize,
     /// Where the scenario is declared.

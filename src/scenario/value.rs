@@ -122,7 +122,91 @@ pub fn significant(value: f64, digits: i32) -> String {
         return format!("{value:e}");
     }
     let decimals = (digits - 1 - libm::log10(value.abs()).floor() as i32).clamp(0, 12) as usize;
+    if let Some(text) = in_few_digits(value, decimals) {
+        return text;
+    }
     let text = format!("{value:.decimals$}");
     let trimmed = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
     if trimmed == "-0" { "0".to_string() } else { trimmed.to_string() }
+}
+
+/// With at most so many decimals and no trailing zeros, if it has few digits and is not about halfway between two such numbers: it is then rounded as
+/// it would be with all that it has. Names of trials hold many numbers, and this takes a fraction of the time.
+fn in_few_digits(value: f64, decimals: usize) -> Option<String> {
+    let scale = 10_u64.pow(decimals as u32);
+    let scaled = value.abs() * scale as f64;
+    // Below this, the product is off by less than a millionth.
+    if scaled >= 1e9 {
+        return None;
+    }
+    let rest = scaled.fract();
+    if (rest - 0.5).abs() < 1e-6 {
+        return None;
+    }
+    let rounded = scaled.trunc() as u64 + u64::from(rest > 0.5);
+    let (whole, mut decimal, mut places) = (rounded / scale, rounded % scale, decimals);
+    let sign = if value < 0.0 && rounded > 0 { "-" } else { "" };
+    if decimal == 0 {
+        return Some(format!("{sign}{whole}"));
+    }
+    while decimal % 10 == 0 {
+        (decimal, places) = (decimal / 10, places - 1);
+    }
+    Some(format!("{sign}{whole}.{decimal:0places$}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// All of its digits, cut off by the standard library.
+    fn in_full(value: f64, decimals: usize) -> String {
+        let text = format!("{value:.decimals$}");
+        let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+        if text == "-0" { "0".to_string() } else { text.to_string() }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 20_000, failure_persistence: None, ..ProptestConfig::default() })]
+
+        #[test]
+        fn few_digits_are_those_of_the_standard_library(
+            (whole, halves, off) in (-100_000_i64..100_000, 0_u32..2, -3_i64..4),
+            decimals in 0_usize..=12,
+            any in -1e6..1e6_f64,
+        ) {
+            // Halves between two numbers, and what is next to them.
+            let half = (whole as f64 + 0.5 * f64::from(halves)) / 10_f64.powi(decimals as i32);
+            let near = if half == 0.0 { 0.0 } else { f64::from_bits(half.to_bits().wrapping_add_signed(off)) };
+            for value in [any, any * 1e-9, near] {
+                if let Some(text) = in_few_digits(value, decimals) {
+                    prop_assert_eq!(text, in_full(value, decimals), "{} with {} decimals", value, decimals);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn digits_that_count() {
+        for (value, digits, text) in [
+            (0.0, 3, "0"),
+            (-0.0, 3, "0"),
+            (1.0, 3, "1"),
+            (100.0, 2, "100"),
+            (6.154737571618751, 5, "6.1547"),
+            (-0.000123456, 3, "-0.000123"),
+            (1e-15, 3, "0"),
+            (-1e-15, 3, "0"),
+            (0.5, 1, "0.5"),
+            (2.5, 1, "2"),
+            (99.96, 3, "100"),
+            (1e12, 3, "1000000000000"),
+            (1e15, 3, "1e15"),
+            (f64::INFINITY, 3, "inf"),
+        ] {
+            assert_eq!(significant(value, digits), text, "{value} with {digits}");
+        }
+    }
 }

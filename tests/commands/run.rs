@@ -615,14 +615,14 @@ mod interrupts {
     #[test]
     fn a_search_goes_on_from_its_journal_to_the_same_result() {
         let search = "search many {\n  in commotions_carla\n  individuals 5 of standard\n  minimise pet\n\
-                      over tta in 6 s .. 18 s\n  budget 300 evaluations, by random\n}\n";
+                      over tta in 6 s .. 18 s\n  budget 120 evaluations, by random\n}\n";
         goes_on("search", search, 30);
     }
 
     #[test]
     fn a_tune_goes_on_from_its_journal_to_the_same_result() {
         let tune = "tune many {\n  on commotions_carla\n  over av.controller.braking_distance in 4 m .. 25 m\n\
-                    minimise mean(time_lost)\n  subject to no collision\n  budget 80 evaluations, by random\n}\n";
+                    minimise mean(time_lost)\n  subject to no collision\n  budget 30 evaluations, by random\n}\n";
         goes_on("tune", tune, 10);
     }
 }

@@ -80,7 +80,7 @@ const SUITE: &str = r#"suite everything {
       appears when time_to_arrival(av) = tta
     }
     vary tta in [3 s, 12 s]
-    runs 20 .. 300
+    runs 20 .. 100
     expect { rate(pet > 0.1 s) >= 50 % with 95 % confidence; rate(pet > 2 s) <= 50 % with 95 % confidence }
   }
   gate braking {

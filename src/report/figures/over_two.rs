@@ -29,7 +29,7 @@ impl Data<'_> {
             if x.1.len().max(y.1.len()) > MOST_VALUES {
                 continue;
             }
-            let criteria = || trials.iter().flat_map(|trial| &trial.trial.criteria);
+            let criteria = || trials.iter().flat_map(|trial| trial.trial.criteria.iter());
             // What ratings count may have no criteria.
             let asked = |index: &&usize| {
                 let about = |metric: &MetricReference| metric == self.reference(**index);

@@ -70,7 +70,7 @@ impl Drawn {
             confidence: None,
         };
         // The unit is that of the first criterion.
-        plain.criteria.insert(0, criterion);
+        plain.criteria = std::iter::once(criterion).chain(plain.criteria.iter().cloned()).collect();
         let known = self.requests.index(&reference);
         self.requests.add(&reference);
         let outcome = trial.outcomes.iter_mut().find(|one| one.key == key).unwrap();
@@ -150,7 +150,8 @@ fn plots_end_after_whatever_metrics_took_their_values_of() {
         let mut drawn = two_people().asked("min_ttc", ("min_ttc >= 1.5 s", 1.5), Some(0.4), (time, "walker"));
         // What the other criteria are about comes late.
         for trial in &mut drawn.report.trials {
-            Arc::make_mut(&mut trial.trial).criteria.retain(|one| one.text == "min_ttc >= 1.5 s");
+            let criteria = &mut Arc::make_mut(&mut trial.trial).criteria;
+            *criteria = criteria.iter().filter(|one| one.text == "min_ttc >= 1.5 s").cloned().collect();
         }
         let last = *drawn.recording.times.last().unwrap();
         let reports = [drawn.report];
@@ -207,7 +208,7 @@ fn another_prediction_has_a_plot_of_its_own_where_it_is_another() {
             }
         };
         drawn.report.trials.iter_mut().for_each(|trial| {
-            Arc::make_mut(&mut trial.trial).criteria.iter_mut().for_each(with);
+            Arc::make_mut(&mut Arc::make_mut(&mut trial.trial).criteria).iter_mut().for_each(with);
         });
         drawn.requests.iter_mut().filter(|one| one.name() == "min_ttc").for_each(|one| {
             one.settings = straight.clone();

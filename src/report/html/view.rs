@@ -315,7 +315,7 @@ fn suite<'r>(
     let mut counts = Counts::default();
     report.trials.iter().for_each(|trial| counts.add(trial));
     // In one unit for all trials, which may be filtered and sorted together.
-    let criteria = || report.trials.iter().flat_map(|trial| &trial.trial.criteria);
+    let criteria = || report.trials.iter().flat_map(|trial| trial.trial.criteria.iter());
     let column = |(index, reference): (usize, &'r MetricReference)| {
         let metric = reference.known()?;
         let unit = written_unit(criteria(), reference, metric);
@@ -393,7 +393,7 @@ fn scenario(
     let mut counts = Counts::default();
     trials.iter().for_each(|trial| counts.add(trial));
     let mut criteria: Vec<String> = Vec::new();
-    for criterion in trials.iter().flat_map(|trial| &trial.trial.criteria) {
+    for criterion in trials.iter().flat_map(|trial| trial.trial.criteria.iter()) {
         if !criteria.contains(&criterion.text) {
             criteria.push(criterion.text.clone());
         }

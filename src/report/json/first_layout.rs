@@ -226,7 +226,7 @@ impl TrialOfSuite {
             runs: self.runs.len(),
             first_run: self.runs.first().map_or_else(|| self.key.clone(), |run| run.key.clone()),
             rounds: None,
-            criteria: Vec::new(),
+            criteria: Arc::default(),
             declared: self.findings.len(),
             origin: self.findings.first().map_or_else(Origin::default, |finding| finding.origin.clone()),
             key: self.key,

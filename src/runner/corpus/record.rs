@@ -93,7 +93,7 @@ pub fn criteria(recorded: &Recorded, suite: &Suite) -> Result<Vec<Criterion>, St
     let found = suite.scenarios.iter().find(|scenario| scenario.name == recorded.scenario);
     let scenario = found.ok_or_else(|| Stale::Scenario(recorded.scenario.clone()))?;
     let criteria = plan::criteria(scenario, &plan::variables(&recorded.variation))?;
-    if criteria.is_empty() { Err(Stale::NothingClaimed) } else { Ok(criteria) }
+    if criteria.is_empty() { Err(Stale::NothingClaimed) } else { Ok(criteria.to_vec()) }
 }
 
 fn other_people(pedestrian: &str, population: &str) -> Stale {

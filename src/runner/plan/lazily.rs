@@ -13,7 +13,7 @@ use super::error::PlanError;
 use super::individuals::{label, select};
 use super::sampling::digest;
 use super::setup;
-use super::variables::{Variables, criteria, variables};
+use super::variables::{Variables, criteria, criteria_of_all, variables};
 use super::variation::Combinations;
 use numbers::random::derive_seed;
 use scenario::{
@@ -48,7 +48,7 @@ pub struct Outline {
     /// As [`Trial::rounds`].
     pub rounds: Option<Rounds>,
     /// As [`Trial::criteria`].
-    pub criteria: Vec<Criterion>,
+    pub criteria: Arc<[Criterion]>,
 }
 
 /// What is planned of a scenario: all that its trials have in common.
@@ -67,6 +67,8 @@ struct Common {
     rounds: Option<Rounds>,
     /// Of a trial.
     runs: usize,
+    /// Of every trial, if they are the same.
+    criteria: Option<Arc<[Criterion]>>,
 }
 
 /// A trial with its runs.
@@ -130,8 +132,8 @@ impl ScenarioPlan {
                 PlanError::new(&scenario.origin, message).with_hint("vary fewer values or repeat less often")
             );
         }
-        let (suite, seed) = (suite.name.clone(), suite.seed);
-        Ok(Self(Arc::new(Common { suite, seed, people, draws, combinations, rounds, runs })))
+        let (suite, seed, criteria) = (suite.name.clone(), suite.seed, criteria_of_all(scenario));
+        Ok(Self(Arc::new(Common { suite, seed, people, draws, combinations, rounds, runs, criteria })))
     }
 
     /// How many trials there are.
@@ -191,7 +193,10 @@ impl ScenarioPlan {
 
     fn outline_of(&self, key: String, variation: Vec<Assignment>) -> Result<Outline, PlanError> {
         let (scenario, Common { rounds, runs, .. }) = (self.scenario(), &*self.0);
-        let criteria = criteria(scenario, &variables(&variation)).map_err(|error| error.in_case(&key))?;
+        let criteria = match &self.0.criteria {
+            Some(all) => all.clone(),
+            None => criteria(scenario, &variables(&variation)).map_err(|error| error.in_case(&key))?,
+        };
         Ok(Outline { key, variation, runs: *runs, rounds: *rounds, criteria })
     }
 
@@ -517,7 +522,7 @@ impl Cases {
                 trial.check(everybody && who == 0).map_err(|error| error.in_case(&planned.trial.key))?;
                 continue;
             }
-            let world = planned.resolve(who)?;
+            let world = planned.resolve(who, setup::world)?;
             if keep {
                 planned.worlds[who].get_or_init(|| world);
             }
@@ -598,16 +603,20 @@ impl Planned {
     }
 
     fn world(&self, who: usize) -> Arc<World> {
-        self.worlds[who].get_or_init(|| self.resolve(who).expect("it was planned before")).clone()
+        let planned = || self.resolve(who, setup::checked_before).expect("it was planned before");
+        self.worlds[who].get_or_init(planned).clone()
     }
 
-    fn resolve(&self, who: usize) -> Result<Arc<World>, PlanError> {
+    fn resolve(&self, who: usize, resolve: Resolve) -> Result<Arc<World>, PlanError> {
         let (scenario, people) = (self.of.scenario(), &self.of.0.people);
-        let world = setup::world(scenario, &variables(&self.trial.variation), &people[who]);
+        let world = resolve(scenario, &variables(&self.trial.variation), &people[who]);
         let in_case = |error: PlanError| error.in_case(&format!("{}{}", self.trial.key, label(&people[who])));
         world.map(Arc::new).map_err(in_case)
     }
 }
+
+/// A world of a scenario where the variations have these values, with these people in it.
+type Resolve = fn(&Scenario, &Variables, &[Individual]) -> Result<World, PlanError>;
 
 /// The trials of one scenario in a suite, each worked out when it is asked for, without its worlds.
 ///

@@ -18,6 +18,17 @@ use scenario::{
 
 /// The checked world of `scenario` where the variations have the values `variables`, with these people in it.
 pub fn world(scenario: &Scenario, variables: &Variables, people: &[Individual]) -> Result<World, PlanError> {
+    let world = checked_before(scenario, variables, people)?;
+    check(scenario, &world)?;
+    Ok(world)
+}
+
+/// As [`world`], where the same one was checked before: a plan checks those of all its trials, and many need theirs several times.
+pub fn checked_before(
+    scenario: &Scenario,
+    variables: &Variables,
+    people: &[Individual],
+) -> Result<World, PlanError> {
     let road = road(scenario, variables)?;
     let other_roads = other_roads(scenario, &road, variables)?;
     let pedestrians = scenario
@@ -52,7 +63,6 @@ pub fn world(scenario: &Scenario, variables: &Variables, people: &[Individual]) 
             })?;
         }
     }
-    check(scenario, &world)?;
     Ok(world)
 }
 

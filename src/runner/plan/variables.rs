@@ -1,6 +1,7 @@
 //! The values of a trial's variations, and the criteria that apply where they hold.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use super::error::PlanError;
 use scenario::{Assignment, Criterion, EvaluationError, Expression, Origin, Scenario, Value};
@@ -13,11 +14,20 @@ pub fn variables(variation: &[Assignment]) -> Variables {
     variation.iter().map(|assignment| (assignment.name.clone(), assignment.value.clone())).collect()
 }
 
+/// The criteria of every trial of a scenario; `None` if they depend on what it varies.
+pub fn criteria_of_all(scenario: &Scenario) -> Option<Arc<[Criterion]>> {
+    let depends = |one: &Criterion| {
+        !one.when.is_empty() || one.claim.bounds().iter().any(|bound| !bound.variables().is_empty())
+    };
+    let is_same = !scenario.criteria.iter().any(depends);
+    is_same.then(|| criteria(scenario, &Variables::new()).ok()).flatten()
+}
+
 /// The criteria that apply where `variables` hold, with their bounds evaluated.
 ///
 /// # Errors
 /// If a bound cannot be evaluated.
-pub fn criteria(scenario: &Scenario, variables: &Variables) -> Result<Vec<Criterion>, PlanError> {
+pub fn criteria(scenario: &Scenario, variables: &Variables) -> Result<Arc<[Criterion]>, PlanError> {
     let mut applying = Vec::new();
     for criterion in &scenario.criteria {
         let failed = |error: EvaluationError| {
@@ -42,7 +52,7 @@ pub fn criteria(scenario: &Scenario, variables: &Variables) -> Result<Vec<Criter
             applying.push(criterion);
         }
     }
-    Ok(applying)
+    Ok(applying.into())
 }
 
 /// The number of an expression of a place in the file, where these hold.

@@ -180,7 +180,7 @@ fn examine_trials(suite: &Suite, scenario: &Scenario) -> Result<ExaminedTrials, 
         if trial.criteria.is_empty() {
             TrialsAbout::add(&mut found.bare, &trial);
         }
-        for criterion in &trial.criteria {
+        for criterion in trial.criteria.iter() {
             if !found.applying.contains(&criterion.origin) {
                 found.applying.insert(criterion.origin.clone());
             }

@@ -92,7 +92,7 @@ mod tests {
                 variation: Vec::new(),
                 runs: 1,
                 rounds: None,
-                criteria: Vec::new(),
+                criteria: Default::default(),
             };
             TrialsAbout::add(&mut about, &trial);
         }

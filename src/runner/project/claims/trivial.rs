@@ -65,7 +65,7 @@ fn in_trials(
 ) -> Result<Vec<Option<Possible>>, PlanError> {
     let mut found: Vec<Option<Possible>> = vec![None; scenario.criteria.len()];
     for trial in plan::outline(suite, scenario)? {
-        for applying in &trial?.criteria {
+        for applying in trial?.criteria.iter() {
             let declared = scenario.criteria.iter().zip(known).zip(&mut found);
             let same = declared.filter(|((one, known), _)| {
                 known.is_none() && (&one.origin, &one.text) == (&applying.origin, &applying.text)
