@@ -40,9 +40,17 @@ pub fn render_search(result: &SearchResult) -> String {
         let all = evaluations().count();
         writeln!(text, "{unknown} of {all} evaluations have no value: {WITHOUT_VALUE}").expect(STRING);
     }
-    writeln!(text, "{} of {} kept", result.kept.cases.len(), result.found.len()).expect(STRING);
+    text += &kept(result);
     text += &render_usual(result);
     text
+}
+
+/// How many runs at the worst points are kept, of how many.
+fn kept(result: &SearchResult) -> String {
+    // Of whom nothing was found there is no run.
+    let runs: usize = result.found.iter().map(|found| found.kept.len().max(1)).sum();
+    let what = if runs == result.found.len() { "" } else { " runs" };
+    format!("{} of {runs}{what} kept\n", result.kept.cases.len())
 }
 
 fn people(result: &SearchResult, found: &[&Found]) -> String {
@@ -179,6 +187,19 @@ mod tests {
         // One evaluation of each has no value, which is a line of its own.
         assert_eq!(text.lines().count(), 1 + 1 + 20 + 1 + 1, "{text}");
         assert!(text.contains("20 of 60 evaluations have no value: "), "{text}");
+    }
+
+    #[test]
+    fn runs_that_are_kept_are_counted_among_runs() {
+        let mut result = over(20);
+        result.found.iter_mut().for_each(|found| found.kept = vec![true]);
+        result.found[8].kept.clear();
+        let case = result.kept.cases[0].clone();
+        result.kept.cases = vec![case.clone(); 19];
+        assert!(render_search(&result).contains("\n19 of 20 kept\n"));
+        result.found.iter_mut().for_each(|found| found.kept = vec![true, false, true]);
+        result.kept.cases = vec![case; 40];
+        assert!(render_search(&result).contains("\n40 of 60 runs kept\n"));
     }
 
     #[test]

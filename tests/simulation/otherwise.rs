@@ -31,7 +31,7 @@ fn written(text: &str) -> (Suite, Case, Vec<Criterion>) {
     let (case, criteria) = {
         let plan = plan(&suite).unwrap();
         let trial = plan.trials().next().unwrap();
-        (trial.cases.first(), trial.criteria.clone())
+        (trial.cases.first(), trial.criteria.to_vec())
     };
     (suite, case, criteria)
 }

@@ -96,7 +96,7 @@ fn trial(tag: &str, pace: f64, outcomes: Vec<Outcome>) -> TrialReport {
         runs: outcomes.len(),
         first_run: "s/a/rep=1".into(),
         rounds: None,
-        criteria: Vec::new(),
+        criteria: [].into(),
         declared: 0,
         origin: Origin::default(),
     };

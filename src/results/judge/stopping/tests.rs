@@ -70,7 +70,7 @@ fn trial(criteria: Vec<Criterion>, rounds: Option<Rounds>) -> Trial {
         tags: Vec::new(),
         rounds,
         declared: criteria.len(),
-        criteria,
+        criteria: criteria.into(),
         origin: Origin::default(),
     }
 }

@@ -143,33 +143,90 @@ impl<'p> Alone<'p> {
     }
 }
 
+/// So many workers with all of a unit for their share come to what one comes to, and each makes a part of it; a run takes that many ms.
+fn assert_made_together(place: &Place, unit: &str, run: u64, workers: &[usize]) {
+    let alone = Alone::new(place, unit);
+    for &workers in workers {
+        let executors: Vec<Slow> = (0..workers).map(|_| Slow::new(run)).collect();
+        thread::scope(|scope| {
+            for (number, executor) in executors.iter().enumerate() {
+                let alone = &alone;
+                scope.spawn(move || alone.work(&format!("here.{number}"), true, executor).unwrap());
+            }
+        });
+        alone.assert_same(unit);
+        let made: Vec<usize> = executors.iter().map(Slow::made).collect();
+        let said = format!("{unit}: {made:?} of {}", alone.runs);
+        assert!(made.iter().all(|made| *made * 15 * workers >= alone.runs), "{said}");
+        // What is made twice is little.
+        assert!(made.iter().sum::<usize>() < alone.runs * workers * 9 / 10 + 20, "{said}");
+        assert_eq!(merge(place, &alone.project, &alone.manifest).map(|_| ()), Ok(()), "{unit}");
+        alone.begin_anew();
+    }
+}
+
 #[test]
 fn workers_with_the_same_share_make_its_runs_together() {
     let place = place();
     for unit in UNITS {
-        let alone = Alone::new(&place, unit);
-        for workers in [2, 3] {
-            let run = match unit {
-                "=rarely" => 2,
-                "everything/open/tta=12s" => 20,
-                _ => 5,
-            };
-            let executors: Vec<Slow> = (0..workers).map(|_| Slow::new(run)).collect();
-            thread::scope(|scope| {
-                for (number, executor) in executors.iter().enumerate() {
-                    let alone = &alone;
-                    scope.spawn(move || alone.work(&format!("here.{number}"), true, executor).unwrap());
-                }
-            });
-            alone.assert_same(unit);
-            let made: Vec<usize> = executors.iter().map(Slow::made).collect();
-            let said = format!("{unit}: {made:?} of {}", alone.runs);
-            assert!(made.iter().all(|made| *made * 15 * workers >= alone.runs), "{said}");
-            // What is made twice is little.
-            assert!(made.iter().sum::<usize>() < alone.runs * workers * 9 / 10 + 20, "{said}");
-            assert_eq!(merge(&place, &alone.project, &alone.manifest).map(|_| ()), Ok(()), "{unit}");
-            alone.begin_anew();
-        }
+        let run = match unit {
+            "=rarely" => 2,
+            "everything/open/tta=12s" => 20,
+            _ => 5,
+        };
+        assert_made_together(&place, unit, run, &[2, 3]);
+    }
+}
+
+/// Rounds of many people: those of a search for all of them together, and candidates of whom a population is made.
+const PEOPLE: &str = r#"suite persons {
+  seed 7
+  scenario crossing {
+    road { lanes forward; lane_width 3.65 m; speed_limit 50 km/h; crossing unmarked { width: 4 m } }
+    vehicle av {
+      controller constant_speed
+      size 4.2 m x 1.8 m
+      speed 50 km/h
+      start 2.5 m + (gap - 1 s) * 50 km/h before crossing
+    }
+    pedestrian walker { model commotions; size 0.8 m x 0.8 m; start 3.25 m from lane centre }
+    vary gap in [4 s, 6 s]
+    horizon 20 s
+    expect { no collision }
+  }
+}
+search worst {
+  in crossing
+  individuals 12 of standard
+  together
+  minimise pet
+  over gap in 4 s .. 7 s
+  budget 6 evaluations, 3 random first
+}
+calibrate people {
+  in crossing
+  repeat 2
+  candidates 40 by latin_hypercube
+  match rate(gap_accepted) to "people.csv" undefined fails
+  folds 2
+}
+"#;
+
+const OBSERVED: &str =
+    "scenario, gap, share, trials, persons, persons_0, persons_1, persons_2, persons_3, persons_4
+crossing, 4 s, 0.1484, 128, 32, 25, 2, 0, 3, 2
+crossing, 6 s, 0.6719, 128, 32, 8, 2, 0, 4, 18
+";
+
+#[test]
+fn rounds_of_many_people_are_made_together() {
+    let folder = tempfile::tempdir().unwrap();
+    let files = vec![folder.path().join("persons.suite")];
+    fs::write(&files[0], PEOPLE).unwrap();
+    fs::write(folder.path().join("people.csv"), OBSERVED).unwrap();
+    let place = Place { folder, files };
+    for unit in ["=worst", "=people"] {
+        assert_made_together(&place, unit, 5, &[2]);
     }
 }
 
