@@ -191,12 +191,19 @@ mod tests {
 
     #[test]
     fn runs_that_are_kept_are_counted_among_runs() {
-        let mut result = over(20);
-        result.found.iter_mut().for_each(|found| found.kept = vec![false]);
-        result.found[8].kept.clear();
-        assert!(render_search(&result).contains("\n0 of 20 kept\n"));
-        result.found.iter_mut().for_each(|found| found.kept = vec![false; 3]);
-        assert!(render_search(&result).contains("\n0 of 60 runs kept\n"));
+        let said = |kept: &[bool]| {
+            let mut result = over(20);
+            for found in &mut result.found {
+                found.runs = vec![found.runs[0].clone(); kept.len()];
+                found.kept = kept.to_vec();
+            }
+            // Of whom nothing was found.
+            (result.found[8].runs, result.found[8].kept) = (Vec::new(), Vec::new());
+            result.kept.cases = result.found.iter().flat_map(Found::kept_cases).cloned().collect();
+            render_search(&result)
+        };
+        assert!(said(&[true]).contains("\n19 of 20 kept\n"));
+        assert!(said(&[true, false, true]).contains("\n38 of 58 runs kept\n"));
     }
 
     #[test]

@@ -122,16 +122,18 @@ pub fn significant(value: f64, digits: i32) -> String {
         return format!("{value:e}");
     }
     let decimals = (digits - 1 - libm::log10(value.abs()).floor() as i32).clamp(0, 12) as usize;
-    if let Some(text) = in_few_digits(value, decimals) {
-        return text;
-    }
+    in_few_digits(value, decimals).unwrap_or_else(|| in_full(value, decimals))
+}
+
+/// With at most so many decimals and no trailing zeros, rounded by the standard library with all that it has.
+fn in_full(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     let trimmed = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
     if trimmed == "-0" { "0".to_string() } else { trimmed.to_string() }
 }
 
-/// With at most so many decimals and no trailing zeros, if it has few digits and is not about halfway between two such numbers: it is then rounded as
-/// it would be with all that it has. Names of trials hold many numbers, and this takes a fraction of the time.
+/// As [`in_full`] of a finite number, if it has few digits and is not about halfway between two such numbers. Names of trials hold many
+/// numbers, and this takes a fraction of the time.
 fn in_few_digits(value: f64, decimals: usize) -> Option<String> {
     let scale = 10_u64.pow(decimals as u32);
     let scaled = value.abs() * scale as f64;
@@ -161,13 +163,6 @@ mod tests {
 
     use super::*;
 
-    /// All of its digits, cut off by the standard library.
-    fn in_full(value: f64, decimals: usize) -> String {
-        let text = format!("{value:.decimals$}");
-        let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
-        if text == "-0" { "0".to_string() } else { text.to_string() }
-    }
-
     proptest! {
         #![proptest_config(ProptestConfig { cases: 20_000, failure_persistence: None, ..ProptestConfig::default() })]
 
@@ -186,6 +181,14 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn few_digits_are_of_numbers_that_have_few_and_are_not_halfway() {
+        assert_eq!(in_few_digits(6.154737571618751, 4).as_deref(), Some("6.1547"));
+        assert_eq!(in_few_digits(-0.25, 2).as_deref(), Some("-0.25"));
+        assert_eq!(in_few_digits(-0.0001, 2).as_deref(), Some("0"));
+        assert_eq!([in_few_digits(2.5, 0), in_few_digits(1e9, 0)], [None, None]);
     }
 
     #[test]

@@ -603,7 +603,7 @@ impl Planned {
     }
 
     fn world(&self, who: usize) -> Arc<World> {
-        let planned = || self.resolve(who, setup::checked_before).expect("it was planned before");
+        let planned = || self.resolve(who, setup::unchecked).expect("it was planned before");
         self.worlds[who].get_or_init(planned).clone()
     }
 
@@ -716,6 +716,22 @@ mod tests {
         match &trial.cases.0 {
             Source::Planned(planned) => planned.worlds.iter().filter(|world| world.get().is_some()).count(),
             Source::Listed(listed) => listed.len(),
+        }
+    }
+
+    #[test]
+    fn criteria_that_trials_share_are_those_that_each_has_by_itself() {
+        // Those of the first are the same everywhere, those of the second apply to some trials only.
+        for (file, shares) in
+            [("scenarios/zebra/scripted.scn", true), ("scenarios/zebra/commotions_carla.scn", false)]
+        {
+            let planned = planned(file);
+            assert_eq!(planned.0.criteria.is_some(), shares, "{file}");
+            for trial in planned.trials() {
+                let own = criteria(planned.scenario(), &variables(&trial.variation)).unwrap();
+                assert_eq!(trial.criteria, own, "{}", trial.key);
+                assert!(!own.is_empty());
+            }
         }
     }
 

@@ -18,13 +18,13 @@ use scenario::{
 
 /// The checked world of `scenario` where the variations have the values `variables`, with these people in it.
 pub fn world(scenario: &Scenario, variables: &Variables, people: &[Individual]) -> Result<World, PlanError> {
-    let world = checked_before(scenario, variables, people)?;
+    let world = unchecked(scenario, variables, people)?;
     check(scenario, &world)?;
     Ok(world)
 }
 
-/// As [`world`], where the same one was checked before: a plan checks those of all its trials, and many need theirs several times.
-pub fn checked_before(
+/// As [`world`], but for its numbers and overlaps: for whom a plan has checked it, as it does those of all its trials.
+pub fn unchecked(
     scenario: &Scenario,
     variables: &Variables,
     people: &[Individual],
