@@ -1,12 +1,10 @@
-//! Where an experiment's journal lies: in a file of its own for every definition, so that no stale one is ever resumed.
+//! The journal of what is optimised, if there is a folder for it.
 
-use std::io;
 use std::path::Path;
 
 use serde::Serialize;
-use sha2::{Digest, Sha256};
 
-use files::{LogError, hexadecimal};
+use super::journal_file::journal_file;
 use optimise::{Definition, Error, Journal};
 
 /// A journal that is removed once its run has come to its end.
@@ -25,15 +23,8 @@ impl Record {
         batch: usize,
     ) -> Result<Self, Error> {
         let Some(folder) = folder else { return Ok(Self { journal: None }) };
-        let text = serde_json::to_vec(&(inputs, definition, env!("CARGO_PKG_VERSION")))
-            .expect("plain data serialises");
-        let hash = hexadecimal(&Sha256::digest(text)[..8]);
-        let path = folder.join(format!("{}-{hash}.jsonl", name.replace('/', "-")));
-        // Its name can be foretold, so somebody's project could have it lead anywhere.
-        if path.is_symlink() {
-            let error = io::Error::other("it is a link, which a journal never is; remove it");
-            return Err(LogError::Io { path, error }.into());
-        }
+        let decisive = (inputs, definition, env!("CARGO_PKG_VERSION"));
+        let (path, _) = journal_file(folder, name, &decisive)?;
         Ok(Self { journal: Some(Journal::open(&path, definition, batch)?) })
     }
 

@@ -15,6 +15,7 @@ mod error;
 mod estimate;
 mod evaluate;
 mod journal;
+mod journal_file;
 mod needs;
 mod overrides;
 mod parameters;

@@ -1,13 +1,12 @@
 //! The journal of a calibration: what each candidate did in each condition, so that a run that is cut off goes on.
 
 use std::collections::BTreeMap;
-use std::io;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 
-use files::{Log, LogError, LogFormat, hexadecimal};
+use super::super::journal_file::journal_file;
+use files::{Log, LogError, LogFormat};
 
 const FORMAT: LogFormat = LogFormat { name: "scenario-runner journal of weighed candidates", version: 1 };
 
@@ -45,14 +44,8 @@ impl HeldRecord {
         let Some(folder) = folder else {
             return Ok(Self { known: BTreeMap::new(), log: None, notice: None });
         };
-        let text = serde_json::to_vec(&(inputs, env!("CARGO_PKG_VERSION"))).expect("plain data serialises");
-        let hash = hexadecimal(&Sha256::digest(text)[..8]);
-        let path = folder.join(format!("{name}-{hash}.jsonl"));
-        // Its name can be foretold, so somebody's project could have it lead anywhere.
-        if path.is_symlink() {
-            let error = io::Error::other("it is a link, which a journal never is; remove it");
-            return Err(LogError::Io { path, error });
-        }
+        let decisive = (inputs, env!("CARGO_PKG_VERSION"));
+        let (path, hash) = journal_file(folder, name, &decisive)?;
         let (log, found) = Log::open(&path, FORMAT, &hash)?;
         let mut known = BTreeMap::new();
         for record in &found.records {

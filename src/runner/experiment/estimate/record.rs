@@ -1,14 +1,13 @@
 //! The journal of an estimate: what became of its runs, so that one that is cut off goes on.
 
 use std::collections::BTreeMap;
-use std::io;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 
+use super::super::journal_file::journal_file;
 use super::scored_run::{ScoredEncounter, ScoredRun};
-use files::{Log, LogError, LogFormat, hexadecimal};
+use files::{Log, LogError, LogFormat};
 
 const FORMAT: LogFormat = LogFormat { name: "scenario-runner journal of an estimate", version: 1 };
 
@@ -49,14 +48,8 @@ impl EstimateRecord {
         let Some(folder) = folder else {
             return Ok(Self { known: BTreeMap::new(), log: None, notice: None });
         };
-        let text = serde_json::to_vec(&(inputs, env!("CARGO_PKG_VERSION"))).expect("plain data serialises");
-        let hash = hexadecimal(&Sha256::digest(text)[..8]);
-        let path = folder.join(format!("{name}-{hash}.jsonl"));
-        // Its name can be foretold, so somebody's project could have it lead anywhere.
-        if path.is_symlink() {
-            let error = io::Error::other("it is a link, which a journal never is; remove it");
-            return Err(LogError::Io { path, error });
-        }
+        let decisive = (inputs, env!("CARGO_PKG_VERSION"));
+        let (path, hash) = journal_file(folder, name, &decisive)?;
         let (log, found) = Log::open(&path, FORMAT, &hash)?;
         let entries = found.records.iter().filter_map(|record| serde_json::from_str::<Entry>(record).ok());
         let known = entries.map(|entry| (entry.first, entry.encounters())).collect();
