@@ -43,8 +43,8 @@ impl FreeFlows {
         let mut empty = world.clone();
         empty.pedestrians.clear();
         empty.road = empty.road.unnamed();
-        let text = serde_json::to_vec(&empty).expect("plain data serialises");
-        let hash: [u8; 32] = Sha256::digest(text).into();
+        let bytes = rmp_serde::to_vec_named(&empty).expect("plain data is encoded, and memory takes it");
+        let hash: [u8; 32] = Sha256::digest(bytes).into();
         if let Some(found) = self.lock().get(&hash) {
             return Ok(Begun::Known(found.clone()));
         }
