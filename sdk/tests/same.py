@@ -28,8 +28,12 @@ def command(words):
     return "command " + ", ".join(json.dumps(word) for word in words)
 
 
-def run(runner, folder, started, threads="-j2"):
-    """Runs the suite with a controller of which its declaration says this."""
+# The runs of these tell as well whether another encoding or another controller is the same.
+SOME = "reach=25m"
+
+
+def run(runner, folder, started, *words):
+    """Runs the suite, or some of it, with a controller of which its declaration says this."""
     shutil.rmtree(folder, ignore_errors=True)
     os.makedirs(folder)
     shutil.copy(os.path.join(HERE, "meet.scn"), folder)
@@ -38,7 +42,7 @@ def run(runner, folder, started, threads="-j2"):
             says = f"{started}; period 100 ms; parameter braking_distance = 25 m in 1 m .. 60 m"
             file.write(f"controller {name} {{ {says} }}\n")
     said = subprocess.run(
-        [runner, "meet.scn", "--allow-run", "--no-progress", threads, "--json=out.json"], cwd=folder, capture_output=True, text=True
+        [runner, "meet.scn", *words, "--allow-run", "--no-progress", "-j2", "--json=out.json"], cwd=folder, capture_output=True, text=True
     )
     assert said.returncode == 0, f"{started}: exit code {said.returncode}\n{said.stdout}{said.stderr}"
     with open(os.path.join(folder, "out.json")) as file:
@@ -62,12 +66,13 @@ def main(runner, folder):
         encodings = ["--encoding=json"] if name in ("Python", "numpy") else []
         variants = [*([batch] for batch in batches), *([batch, one] for one in encodings for batch in batches)]
         for more in variants or [[]]:
-            found = run(runner, os.path.join(folder, "run"), command(words + more))
+            some = [SOME] if more[1:] else []
+            found = run(runner, os.path.join(folder, "run"), command(words + more), *some)
             if known is None:
                 known, first = found, name
                 assert len(set(known.values())) > 60, f"{len(set(known.values()))} runs differ from each other: the suite says too little"
-            differing = [key for key in known if known[key] != found.get(key)]
-            assert known.keys() == found.keys() and not differing, f"{name} {more} is not {first} in {len(differing)} runs, such as {differing[:3]}"
+            differing = [key for key in found if known.get(key) != found[key]]
+            assert len(found) == (22 if some else len(known)) and not differing, f"{name} {more} is not {first} in {len(differing)} runs, such as {differing[:3]}"
             print(f"{name} {' '.join(more)}: the same {len(found)} fingerprints")
     module = os.path.join(os.path.dirname(folder), "rust", "wasm32-unknown-unknown", "release", "examples", "brake_module.wasm")
     found = run(runner, os.path.join(folder, "run"), f"wasm {json.dumps(module)}")
@@ -80,8 +85,8 @@ def main(runner, folder):
     other = os.path.join(folder, "other.py")
     with open(other, "w") as file:
         file.write(text.replace("return -3.0", "return -3.0000001"))
-    changed = run(runner, os.path.join(folder, "run"), command([sys.executable, other]))
-    assert sum(changed[key] != known[key] for key in known) > 20, "a controller that brakes otherwise has the same fingerprints"
+    changed = run(runner, os.path.join(folder, "run"), command([sys.executable, other]), SOME)
+    assert sum(changed[key] != known[key] for key in changed) > 7, "a controller that brakes otherwise has the same fingerprints"
 
 
 if __name__ == "__main__":

@@ -307,7 +307,7 @@ const PEOPLE: &str = r#"suite people {
 }
 search worst {
   in walk
-  individuals 8 of standard
+  individuals 5 of standard
   minimise pet
   over tta in 3 s .. 9 s
   keep pet <= 5 s
@@ -335,8 +335,8 @@ fn a_search_for_several_people_is_shared_out() {
     planned(folder, &[]);
     let manifest = fs::read_to_string(folder.join("manifest.jsonl")).unwrap();
     let groups = manifest.lines().filter(|line| line.contains("\"group\":")).count();
-    assert_eq!(groups, 8, "{manifest}");
-    for shares in [1, 7] {
+    assert_eq!(groups, 5, "{manifest}");
+    for shares in [1, 5] {
         let _ = fs::remove_dir_all(folder.join("results"));
         // Not in their order.
         (0..shares).for_each(|share| {
