@@ -2,8 +2,7 @@
 //! what they run.
 //!
 //! `tests/fingerprints` holds a line a run, a block and a metric. The three parts of the paper's suite run the same cases
-//! as that does (a test says so), and `suites/rare.suite`, `suites/paper/beyond.suite` and `suites/paper/people.suite` take minutes: their tests are ignored here and run by
-//! `.ci/run`.
+//! as that does (a test says so). What takes long, as that suite does, is ignored here and run by `.ci/run`.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -21,7 +20,6 @@ const PASSING: &[&str] = &[
     "suites/zebra.suite",
     "suites/worst_arrival.suite",
     "suites/zebra_gate.suite",
-    "suites/paper.suite",
     "suites/un_r152.suite",
     "suites/fmvss_127.suite",
     "suites/un_r157.suite",
@@ -40,8 +38,11 @@ const OTHERS: &[&str] = &[
     "suites/paper/sensitivity.suite",
 ];
 
-/// Takes minutes.
-const LONG: &[&str] = &["suites/paper/beyond.suite", "suites/paper/people.suite", "suites/rare.suite"];
+/// As those that are expected to pass, and takes as long as all of them.
+const LONG_PASSING: &[&str] = &["suites/paper.suite"];
+
+/// As the others, and takes minutes.
+const LONG_OTHERS: &[&str] = &["suites/paper/beyond.suite", "suites/paper/people.suite", "suites/rare.suite"];
 
 /// Needs controllers of others, which `examples/controllers/check` installs and runs.
 const OF_PROGRAMS: &[&str] = &["suites/own_controllers.suite"];
@@ -55,17 +56,20 @@ fn main() -> ExitCode {
 
 fn trials() -> Result<Vec<Trial>, TestingError> {
     let folder = Path::new("tests/fingerprints");
-    let suites = Suites::load(&[PASSING, OTHERS, LONG].concat(), &standard())?;
-    let mut trials = suites.tests(PASSING)?;
+    let long = [LONG_PASSING, LONG_OTHERS].concat();
+    let suites = Suites::load(&[&long, PASSING, OTHERS].concat(), &standard())?;
+    let mut trials = suites.tests(LONG_PASSING)?;
+    trials.extend(suites.fingerprints(&long, folder)?);
+    trials = trials.into_iter().map(|test| test.with_ignored_flag(true)).collect();
+    trials.extend(suites.tests(PASSING)?);
     trials.extend(suites.fingerprints(&[PASSING, OTHERS].concat(), folder)?);
-    trials.extend(suites.fingerprints(LONG, folder)?.into_iter().map(|test| test.with_ignored_flag(true)));
     trials.push(Trial::test("every shipped suite is held", every_suite_is_held));
     trials.push(Trial::test("the parts of the paper's suite are parts of it", parts_are_parts));
     Ok(trials)
 }
 
 fn every_suite_is_held() -> Result<(), Failed> {
-    let held: Vec<&str> = [PASSING, OTHERS, LONG, PARTS, OF_PROGRAMS].concat();
+    let held: Vec<&str> = [PASSING, OTHERS, LONG_PASSING, LONG_OTHERS, PARTS, OF_PROGRAMS].concat();
     for pattern in ["suites/*.suite", "suites/*/*.suite"] {
         for path in glob::glob(pattern).expect("a pattern") {
             let path = path?.to_string_lossy().into_owned();

@@ -335,6 +335,7 @@ fn for_a_commotions_pedestrian_what_does_not_matter_changes_no_share() {
 /// Cars that do not react, so that contacts show what people overlook. The control is the first of them alone, which is
 /// the published model: at 4 s some of the 600 walk into it.
 #[test]
+#[ignore = "it takes as long as many other tests of this program together"]
 fn few_people_overlook_a_car_in_a_queue_and_whom_one_car_does_not_stop_gets_across() {
     assert_few_overlook_a_queue(&[4.0]);
 }
