@@ -6,7 +6,7 @@ import subprocess
 
 from driver import expect, say
 
-PROGRAM = pathlib.Path(__file__).resolve().parents[2] / "target/release/scenario-runner"
+PROGRAM = os.environ["SCENARIO_RUNNER"]
 SUITE = """suite crossing {
   seed 11
   scenario walker {
