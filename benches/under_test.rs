@@ -2,7 +2,7 @@
 //!
 //! `cargo bench --bench under_test` measures a built-in controller and a program in Rust, which is this one. `cargo bench --bench under_test --
 //! --program WORD…` measures any command that speaks the protocol, as it is, and `--declared TEXT` a controller of which this text is what stands in its
-//! declaration, as `wasm "brakes.wat"`; paths are relative to this package. Numbers are of the machine and what else it does.
+//! declaration, as `wasm "brakes.wasm"`; paths are relative to this package. Numbers are of the machine and what else it does.
 
 use std::env;
 use std::io::{self, BufRead, Read, Write};

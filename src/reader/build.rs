@@ -1,7 +1,7 @@
-//! Makes the reader of `scn.pest`: functions that say where the rules of the grammar describe a text, and nothing else.
+//! Generates the reader of `scn.pest`: functions that find where the rules of the grammar match a text.
 //!
-//! It takes the same optimised rules as `pest_derive`, so that it reads the same. What it has more are the bytes that a text can begin
-//! with if a rule is to describe it: of the many statements that a line may be, it tries those that begin like the line.
+//! The generator takes the same optimised rules as `pest_derive`, so that both read the same. In addition it works out the bytes with
+//! which a match of each rule can begin: of the many statements that a line may be, the reader tries those that begin like the line.
 
 use std::collections::HashMap;
 use std::mem::discriminant;
@@ -14,8 +14,10 @@ use pest_meta::parser;
 
 fn main() {
     println!("cargo::rerun-if-changed=build.rs");
-    println!("cargo::rerun-if-changed=scn.pest");
-    let text = fs::read_to_string("scn.pest").expect("the grammar is there");
+    // From the build script of the package `grammar`.
+    let path = env::var("DEP_SCN_GRAMMAR_TEXT").expect("the package `grammar` gives the path of its text");
+    println!("cargo::rerun-if-changed={path}");
+    let text = fs::read_to_string(path).expect("the grammar is there");
     let pairs = parser::parse(parser::Rule::grammar_rules, &text).expect("the grammar can be parsed");
     let rules = optimize(parser::consume_rules(pairs).expect("the grammar is valid"));
     let out = env::var("OUT_DIR").expect("Cargo says where it goes");

@@ -1,21 +1,38 @@
-//! Where the rules of the scenario language describe a text: what [`pest`] finds, without what it notes for its errors.
+//! Reads texts of the scenario language: finds the same matches as the parser of `grammar`, and collects nothing for error messages.
+//! Filters are read here, too.
+//!
+//! The functions of the rules are generated from the grammar by `build.rs`. They are a package of their own since every file is read by
+//! them, so that they are optimised; the parser of `grammar` reads only texts that they do not match, and is not.
 
-use super::Rule;
+use grammar::scn::Rule;
 
-/// What a rule describes.
+/// Filters of runs and trials, `filter.pest`.
+#[allow(missing_docs, reason = "the grammar says what a rule is")]
+pub mod filter {
+    use pest_derive::Parser;
+
+    /// Reads a text by a [`Rule`].
+    #[derive(Parser)]
+    #[grammar = "filter.pest"]
+    pub struct Grammar;
+}
+
+/// The match of a rule.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct RuleSpan {
+    /// The rule that matched.
     pub rule: Rule,
-    /// Of the first byte.
+    /// Place of the first byte.
     pub start: u32,
-    /// Behind the last byte, and behind white space that was skipped there.
+    /// Place behind the last byte, and behind white space that was skipped there.
     pub end: u32,
-    /// Index of the first one that is not below this one.
+    /// Index of the first match that does not lie within this one.
     pub after: u32,
 }
 
-/// What the beginning of `text` is by `rule`: the rule itself and all below it in the order in which they begin, without the end of the
-/// text. `None` where `rule` does not describe it; [`pest`] says why. A silent rule has no place and cannot be asked for.
+/// Matches the beginning of `text` with `rule`: gives the match of the rule itself and of all rules within it, in the order in which
+/// they begin, without the end of the text. `None` where `rule` does not match; the parser of `grammar` says why. Silent rules have no
+/// match of their own and give `None`.
 ///
 /// # Panics
 /// If the text has 4 GiB or more.

@@ -51,12 +51,15 @@ impl Guest {
         let mut config = Config::default();
         config.consume_fuel(true);
         let engine = Engine::new(&config);
+        if is_text(&bytes) {
+            let message = format!("{} is the text of a WebAssembly module, not its binary", path.display());
+            let hint = format!("convert it: `wasm-tools parse {file} -o module.wasm`, or `wat2wasm`");
+            return Err(cannot(message, &hint));
+        }
         let module = Module::new(&engine, &bytes).map_err(|error| {
-            let hint = "a core module as compilers write it (`.wasm`), or its text (`.wat`)";
-            cannot(
-                format!("{} is no WebAssembly module: {}", path.display(), one_line(&error.to_string())),
-                hint,
-            )
+            let error = one_line(&error.to_string());
+            let message = format!("{} is not a WebAssembly module: {error}", path.display());
+            cannot(message, "`wasm` names a core module as compilers write it, a `.wasm` file")
         })?;
         if let Some(import) = module.imports().next() {
             let message = format!("it imports `{}.{}`, and nothing is given", import.module(), import.name());
@@ -142,6 +145,15 @@ impl Guest {
         let answer = self.frame.call(&mut self.store, length).map_err(failed)?;
         Ok(answer as u32 as usize)
     }
+}
+
+/// Whether a file is a module in the text format: its first line that is not a comment opens a bracket.
+fn is_text(bytes: &[u8]) -> bool {
+    let is_code = |line: &&str| !line.is_empty() && !line.starts_with(";;");
+    let first = |text: &str| {
+        text.lines().map(str::trim_start).find(is_code).is_some_and(|line| line.starts_with('('))
+    };
+    std::str::from_utf8(bytes).is_ok_and(first)
 }
 
 /// What kept it from ending.

@@ -10,8 +10,9 @@ use std::path::{Path, PathBuf};
 
 /// The packages and which of them each may know, in the order in which they stand on each other. Cargo keeps the arrows: what is not in
 /// a manifest cannot be imported.
-const PACKAGES: [(&str, &[&str]); 15] = [
+pub(crate) const PACKAGES: [(&str, &[&str]); 16] = [
     ("grammar", &[]),
+    ("reader", &["grammar"]),
     ("numbers", &[]),
     ("files", &[]),
     ("optimise", &["numbers", "files"]),
@@ -19,7 +20,7 @@ const PACKAGES: [(&str, &[&str]); 15] = [
     ("sim", &["numbers", "scenario"]),
     ("results", &["numbers", "files", "optimise", "scenario", "sim"]),
     ("models", &["numbers", "files", "scenario", "sim"]),
-    ("lang", &["grammar", "files", "scenario"]),
+    ("lang", &["grammar", "reader", "files", "scenario"]),
     ("fmu", &["files"]),
     ("under_test", &["files", "scenario", "sim", "fmu"]),
     ("engines", &["files"]),
@@ -206,17 +207,21 @@ fn known_packages(manifest: &str) -> BTreeSet<String> {
     names.filter(|name| PACKAGES.iter().any(|(package, _)| package == name)).map(str::to_string).collect()
 }
 
+pub(crate) fn manifest(package: &str) -> String {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folder = match package {
+        FRONT => root.to_path_buf(),
+        "grammar" => root.join("grammar"),
+        _ => root.join("src").join(package),
+    };
+    fs::read_to_string(folder.join("Cargo.toml")).unwrap()
+}
+
 #[test]
 fn packages_know_only_those_below_them() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut below = BTreeSet::new();
     for (package, known) in PACKAGES {
-        let folder = match package {
-            FRONT => root.to_path_buf(),
-            "grammar" => root.join("grammar"),
-            _ => root.join("src").join(package),
-        };
-        let found = known_packages(&fs::read_to_string(folder.join("Cargo.toml")).unwrap());
+        let found = known_packages(&manifest(package));
         let listed: BTreeSet<String> = known.iter().map(ToString::to_string).collect();
         assert_eq!(found, listed, "what `{package}` depends on");
         assert!(found.is_subset(&below), "`{package}` depends on what stands above it");

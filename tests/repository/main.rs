@@ -2,6 +2,7 @@
 
 mod circles;
 mod data;
+mod doc_examples;
 mod examples;
 mod fuzz;
 #[path = "../support/generated.rs"]

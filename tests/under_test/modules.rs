@@ -4,7 +4,7 @@ use std::fs;
 
 use super::{Outcome, expect, expect_all, many, run, scenario, written_fingerprints};
 
-/// Brakes as the program of these tests does.
+/// The text of a module that brakes as the program of these tests does.
 const BRAKES: &str = include_str!("brakes.wat");
 
 /// The scenario with the module in place of the program, and a gap that the module does not read.
@@ -12,12 +12,18 @@ fn with_module(text: &str) -> String {
     let command = text.lines().next().unwrap();
     let rest = text.split_once("environment \"TESTS_UNDER_TEST=child\"\n").unwrap().1;
     assert!(command.starts_with("controller own {"), "{command}");
-    format!("controller own {{\n  wasm \"own.wat\"\n{rest}")
+    format!("controller own {{\n  wasm \"own.wasm\"\n{rest}")
 }
 
+/// A folder with the scenario and the binary of the module with that text.
 fn in_folder(text: &str, module: &str) -> tempfile::TempDir {
+    in_folder_with(text, &wat::parse_str(module).expect("it is the text of a module"))
+}
+
+/// A folder with the scenario and those bytes as the file of the module.
+fn in_folder_with(text: &str, module: &[u8]) -> tempfile::TempDir {
     let folder = super::in_folder(&with_module(text));
-    fs::write(folder.path().join("own.wat"), module).unwrap();
+    fs::write(folder.path().join("own.wasm"), module).unwrap();
     folder
 }
 
@@ -86,18 +92,30 @@ pub fn what_is_no_module_is_said_before_anything_runs() -> Outcome {
             ),
             "no answer within 100 million instructions",
         ),
-        ("import numpy".to_string(), "is no WebAssembly module"),
-        (String::new(), "is no WebAssembly module"),
     ] {
         let folder = in_folder(&scenario("", ""), &module);
         let said = run(folder.path(), &["meet.scn"]);
         expect_all(&said, 3, &["E1106", words, "meet.scn:1"])?;
     }
+    let damaged = wat::parse_str(BRAKES)?.split_off(20);
+    let binary = "own.wasm is not a WebAssembly module";
+    let convert = "wasm-tools parse own.wasm -o module.wasm";
+    let text = "own.wasm is the text of a WebAssembly module";
+    for (bytes, words) in [
+        (BRAKES.into(), [text, convert]),
+        (format!("\n ;; of a compiler\n{BRAKES}").into_bytes(), [text, convert]),
+        (b"import numpy".to_vec(), [binary, "core module"]),
+        (Vec::new(), [binary, "core module"]),
+        (damaged, [binary, "core module"]),
+    ] {
+        let folder = in_folder_with(&scenario("", ""), &bytes);
+        expect_all(&run(folder.path(), &["meet.scn"]), 3, &["E1106", words[0], words[1], "meet.scn:1"])?;
+    }
     let folder = in_folder(&scenario("", ""), &BRAKES.replace("\\\"protocol\\\":1", "\\\"protocol\\\":2"));
     expect_all(&run(folder.path(), &["meet.scn"]), 3, &["E1107", "it speaks protocol 2"])?;
     let folder = in_folder(&scenario("", ""), BRAKES);
-    fs::remove_file(folder.path().join("own.wat"))?;
-    expect_all(&run(folder.path(), &["meet.scn"]), 3, &["E1106", "own.wat cannot be read"])?;
+    fs::remove_file(folder.path().join("own.wasm"))?;
+    expect_all(&run(folder.path(), &["meet.scn"]), 3, &["E1106", "own.wasm cannot be read"])?;
     // Nobody has to read the module to check what is said of it.
     expect_all(&run(folder.path(), &["check", "meet.scn"]), 0, &[])
 }

@@ -1,8 +1,8 @@
 //! From the text of a filter expression to conditions and how they are combined, or to everything that is wrong.
 
-use grammar::filter::{Grammar, Rule};
 use pest::Parser;
 use pest::iterators::Pair;
+use reader::filter::{Grammar, Rule};
 
 use super::condition::{Condition, Expression, Filter, Test};
 use super::matcher::{Bound, Mark, Matcher, ValueMatcher};

@@ -1,6 +1,6 @@
 //! Where rules describe a text.
 
-use grammar::scn::{self, RuleSpan};
+use reader::RuleSpan;
 
 use super::lexer::{self, Token, TokenKind};
 use super::tree::Rule;
@@ -8,7 +8,7 @@ use super::tree::Rule;
 /// What the beginning of `text` is by `rule`. The brackets of the text are balanced, or lie within each other no deeper than
 /// [`lexer::DEEPEST_NESTING`]: what is nested deeper is read until the stack ends.
 pub fn read(rule: Rule, text: &str) -> Option<Vec<RuleSpan>> {
-    let found = scn::read(rule, text);
+    let found = reader::read(rule, text);
     // Whatever a test reads is read both ways.
     #[cfg(test)]
     assert_eq!(found, tests::read_by_pest(rule, text), "{rule:?} of {text:?}");
@@ -158,7 +158,7 @@ mod tests {
         });
         let read_all = move || {
             for text in texts.as_flattened() {
-                assert!(scn::read(Rule::file, text).is_some(), "{text}");
+                assert!(reader::read(Rule::file, text).is_some(), "{text}");
             }
         };
         let thread =

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use grammar::scn::RuleSpan;
+use reader::RuleSpan;
 
 use super::lexer::{self, Token};
 use super::read::{is_shallow, read};

@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::job::{Done, Job, MeasuredMetrics};
+use super::messagepack::{Reader, read_last, to_messagepack};
 use scenario::registry::{Registry, UnknownEntry};
 
 /// Why bytes are no job, or nothing that came of one.
@@ -120,28 +121,20 @@ impl Done {
 }
 
 fn encoded(data: &impl Serialize) -> Vec<u8> {
-    encoded_by(&EncodedBy::here(), data)
-}
-
-fn encoded_by(writer: &EncodedBy, data: &impl Serialize) -> Vec<u8> {
-    let mut bytes = rmp_serde::to_vec_named(writer).expect("plain data is encoded, and memory takes it");
-    rmp_serde::encode::write_named(&mut bytes, data).expect("plain data is encoded, and memory takes it");
+    let mut bytes = to_messagepack(&EncodedBy::here());
+    bytes.extend(to_messagepack(data));
     bytes
 }
 
 fn decoded<T: DeserializeOwned>(what: &'static str, bytes: &[u8]) -> Result<T, DecodingError> {
     let malformed = |message: String| DecodingError::Malformed { what, message };
-    let mut rest = bytes;
-    let found: EncodedBy = rmp_serde::from_read(&mut rest).map_err(|error| malformed(error.to_string()))?;
+    let mut reader = Reader::from_read_ref(bytes);
+    let found = EncodedBy::deserialize(&mut reader).map_err(|error| malformed(error.to_string()))?;
     let here = EncodedBy::here();
     if found != here {
         return Err(DecodingError::OtherProgram { what, found, here });
     }
-    let data = rmp_serde::from_read(&mut rest).map_err(|error| malformed(error.to_string()))?;
-    match rest.len() {
-        0 => Ok(data),
-        more => Err(malformed(format!("{more} bytes follow it"))),
-    }
+    read_last(&mut reader).map_err(malformed)
 }
 
 #[cfg(test)]
@@ -333,7 +326,7 @@ mod tests {
             assert!(read(&bytes[..length]).starts_with("these bytes are no job: "));
         }
         let twice = [bytes.as_slice(), &bytes[..]].concat();
-        assert_eq!(read(&twice), format!("these bytes are no job: {} bytes follow it", bytes.len()));
+        assert_eq!(read(&twice), "these bytes are no job: more bytes follow it");
         assert!(Done::from_bytes(&bytes, &standard()).is_err());
     }
 
@@ -342,10 +335,10 @@ mod tests {
     fn what_another_program_wrote_is_refused_by_name() {
         let here = EncodedBy::here();
         let told = |writer: &EncodedBy, data: &[u8]| {
-            let bytes = [&rmp_serde::to_vec_named(writer).unwrap(), data].concat();
+            let bytes = [&to_messagepack(writer), data].concat();
             Job::from_bytes(&bytes, &standard()).map(|_| ()).unwrap_err().to_string()
         };
-        let job = rmp_serde::to_vec_named(&job()).unwrap();
+        let job = to_messagepack(&job());
         let newer = EncodedBy { version: "77.0.0".into(), ..here.clone() };
         let wanted =
             format!("these bytes are a job of scenario-runner 77.0.0 (layout 2), and this is {here}");

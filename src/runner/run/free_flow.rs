@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex};
 use sha2::{Digest, Sha256};
 
 use super::build::{RunError, nobody_asked, road_users};
+use super::messagepack::to_messagepack;
 use scenario::World;
 use sim::measure::FreeFlow;
 use sim::{Course, Observer, Progress, Step};
@@ -43,8 +44,7 @@ impl FreeFlows {
         let mut empty = world.clone();
         empty.pedestrians.clear();
         empty.road = empty.road.unnamed();
-        let bytes = rmp_serde::to_vec_named(&empty).expect("plain data is encoded, and memory takes it");
-        let hash: [u8; 32] = Sha256::digest(bytes).into();
+        let hash: [u8; 32] = Sha256::digest(to_messagepack(&empty)).into();
         if let Some(found) = self.lock().get(&hash) {
             return Ok(Begun::Known(found.clone()));
         }

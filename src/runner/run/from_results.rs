@@ -484,7 +484,7 @@ scenario meet {{
 }}
 "
         );
-        let files = Memory::default().with("meet.scn", text).with("own.wat", "(module)");
+        let files = Memory::default().with("meet.scn", text).with("own.wasm", "\0asm");
         let Ok(loaded) = lang::load(Path::new("meet.scn"), &standard(), &files) else {
             panic!("it is a scenario")
         };
@@ -504,7 +504,7 @@ scenario meet {{
         let place = JobPlace::default();
         for (declared, is_seen) in [
             (None, true),
-            (Some("controller own { wasm \"own.wat\" }"), true),
+            (Some("controller own { wasm \"own.wasm\" }"), true),
             (Some("controller own { command \"own\" }"), false),
         ] {
             let job = declared.map_or_else(|| built_in.clone(), |declared| job(declared, "own"));

@@ -14,6 +14,7 @@ mod free_flow;
 mod from_results;
 mod job;
 mod lockstep;
+mod messagepack;
 mod name;
 mod panic;
 mod program_run;
@@ -45,6 +46,7 @@ pub use job::{
     Done, Job, JobFailure, JobPlace, LoggedDecision, MeasuredMetrics, Ran, Wanted, WentDifferently, programs,
     went_differently,
 };
+pub(crate) use messagepack::to_messagepack;
 pub use panic::{Panicked, note_places};
 pub(crate) use rehearsal::{Obstacle, Rehearsal, Stage, rehearse, rehearse_trials};
 pub(crate) use remembered::Remembered;

@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use sha2::{Digest, Sha256};
 
 use super::job::{Job, MeasuredMetrics, programs};
+use super::messagepack::to_messagepack;
 use files::hexadecimal;
 use scenario::DeclaredProgram;
 
@@ -64,7 +65,7 @@ impl RunDigests {
         let Job { place: _, case, measured, wanted: _, alone, change } = job;
         let mut hash = self.base.clone();
         hash.update(self.measured(measured));
-        hash.update(encoded(&(case, alone, change)));
+        hash.update(to_messagepack(&(case, alone, change)));
         programs(case).iter().for_each(|program| hash.update(self.program(program)));
         RunDigest(hash.finalize().into())
     }
@@ -73,7 +74,7 @@ impl RunDigests {
     pub fn of_all(&self, measured: &Arc<MeasuredMetrics>, data: &impl serde::Serialize) -> RunDigest {
         let mut hash = self.base.clone();
         hash.update(self.measured(measured));
-        hash.update(encoded(data));
+        hash.update(to_messagepack(data));
         self.programs.iter().for_each(|(program, _)| hash.update(self.program(program)));
         RunDigest(hash.finalize().into())
     }
@@ -96,13 +97,8 @@ impl RunDigests {
         {
             return *digest;
         }
-        let digest = Sha256::digest(encoded(&measured.requests)).into();
+        let digest = Sha256::digest(to_messagepack(&measured.requests)).into();
         *last = Some((measured.clone(), digest));
         digest
     }
-}
-
-/// With names of fields: what is left out in between cannot be taken for another.
-fn encoded(data: &impl serde::Serialize) -> Vec<u8> {
-    rmp_serde::to_vec_named(data).expect("plain data is encoded, and memory takes it")
 }

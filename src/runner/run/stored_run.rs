@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::build::RunError;
 use super::job::{Job, JobFailure, LoggedDecision, Ran, Wanted};
+use super::messagepack::{from_messagepack, to_messagepack};
 use results::Outcome;
 
 /// What came of a run, without what depends on the clock: equal runs are equal bytes.
@@ -52,7 +53,7 @@ impl StoredRun {
 
     /// What [`Self::from_bytes`] reads: MessagePack with names of fields, which carries every number to its last bit.
     pub fn to_bytes(&self) -> Vec<u8> {
-        rmp_serde::to_vec_named(self).expect("plain data is encoded, and memory takes it")
+        to_messagepack(self)
     }
 
     /// What [`Self::to_bytes`] wrote.
@@ -60,7 +61,7 @@ impl StoredRun {
     /// # Errors
     /// In the words of the decoder, if the bytes are something else.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, String> {
-        rmp_serde::from_slice(bytes).map_err(|error| error.to_string())
+        from_messagepack(bytes)
     }
 
     /// Whether the run came to its end.

@@ -8,7 +8,7 @@ use sha2::{Digest, Sha256};
 use crate::experiment::searched_groups;
 use crate::plan::PlannedTrial;
 use crate::project::{PlannedSuite, Project};
-use crate::run::{Executor, Job, JobPlace, RunDigest, RunDigests, Wanted};
+use crate::run::{Executor, Job, JobPlace, RunDigest, RunDigests, Wanted, to_messagepack};
 use crate::session::{Runner, UnitKind, Units, Work};
 use scenario::{Block, Case, Search};
 
@@ -80,8 +80,7 @@ impl<'a> Planner<'a> {
         let runner = Runner::new(project.suites(), executor, project.registry()).reading(project.files());
         let said = |one: &PlannedSuite| {
             let suite = (&one.suite, &one.suite.texts);
-            let bytes = rmp_serde::to_vec_named(&suite).expect("plain data is encoded, and memory takes it");
-            Sha256::digest(bytes).into()
+            Sha256::digest(to_messagepack(&suite)).into()
         };
         let suites = project.suites().iter().map(said).collect();
         Self { project, units, digests, runner, suites }
