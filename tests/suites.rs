@@ -2,7 +2,7 @@
 //! what they run.
 //!
 //! `tests/fingerprints` holds a line a run, a block and a metric. The three parts of the paper's suite run the same cases
-//! as that does (a test says so). What takes long, as that suite does, is ignored here and run by `.ci/run`.
+//! as that does (a test says so). What takes long, as that suite does, is ignored here and run by `.ci/run --all`.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -35,14 +35,20 @@ const OTHERS: &[&str] = &[
     "suites/nhtsa_precrash.suite",
     "suites/matrix.suite",
     "suites/gentle_braking.suite",
-    "suites/paper/sensitivity.suite",
+    // Every setting of `suites/paper/sensitivity.suite`, which takes as long as all the others.
+    "tests/commands/settings.suite",
 ];
 
 /// As those that are expected to pass, and takes as long as all of them.
 const LONG_PASSING: &[&str] = &["suites/paper.suite"];
 
 /// As the others, and takes minutes.
-const LONG_OTHERS: &[&str] = &["suites/paper/beyond.suite", "suites/paper/people.suite", "suites/rare.suite"];
+const LONG_OTHERS: &[&str] = &[
+    "suites/paper/sensitivity.suite",
+    "suites/paper/beyond.suite",
+    "suites/paper/people.suite",
+    "suites/rare.suite",
+];
 
 /// Needs controllers of others, which `examples/controllers/check` installs and runs.
 const OF_PROGRAMS: &[&str] = &["suites/own_controllers.suite"];

@@ -344,7 +344,7 @@ fn a_search_and_a_tune_from_the_command_line() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
     let (cases, parameters, journal) = (at("low_pet.json"), at("tuned.scn"), at("journal"));
-    let suite = "suites/worst_arrival.suite";
+    let suite = "tests/commands/arrival.suite";
     let found = scenario_runner(&["search", "low_pet", suite, "--save", &cases, "--journal", &journal]);
     assert_eq!(code(&found), 0, "{}", stderr(&found));
     insta::assert_snapshot!(stdout(&found));

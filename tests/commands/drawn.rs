@@ -108,6 +108,7 @@ fn what_was_drawn_is_told_replayed_recorded_and_shrunk() {
 fn shares_and_threads_and_settings_change_no_draw() {
     let folder = folder();
     let path = folder.path();
+    fs::write(path.join("encounter.scn"), ENCOUNTER.replace("repeat 40", "repeat 10")).unwrap();
     let whole = runs(&results(path, &["--test-threads", "1"]));
     let halves =
         ["slice:1/2", "slice:2/2"].map(|part| runs(&results(path, &["--partition", part, "-j", "3"])));

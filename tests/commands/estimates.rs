@@ -19,10 +19,15 @@ estimate hit {
   of walk
   event collision
   score pet
-  budget 4000 runs, by importance
+  budget 2000 runs, by importance
   claim <= 1e-5
 }
 ";
+
+/// [`WALK`] with the smallest budget that there may be, which shows only whether the estimate is closer to 1e-5 or to 1e-7.
+fn quick() -> String {
+    WALK.replace("2000 runs", "1000 runs")
+}
 
 fn folder(text: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
@@ -54,7 +59,7 @@ fn an_estimate_is_told_in_all_reports_and_its_runs_are_replayed() {
     assert_eq!((&block["kind"], &block["verdict"]), (&"estimate".into(), &"passed".into()), "{block}");
     let estimate = &block["result"]["estimate"];
     assert!((estimate["value"].as_f64().unwrap() / 3.46e-6 - 1.0).abs() < 0.15, "{estimate}");
-    assert_eq!(estimate["nominal_runs"], 300);
+    assert_eq!(estimate["nominal_runs"], 160);
     assert_published("estimateResult", estimate);
     let junit = read("r.xml");
     assert!(junit.matches("estimate=hit").count() >= 1 && junit.contains("guaranteed"), "{junit}");
@@ -122,13 +127,13 @@ fn two_in_the_same_encounters_are_told_and_their_runs_are_replayed() {
 
 #[test]
 fn an_estimate_that_is_not_passed_ends_with_another_code() {
-    let failed = folder(&WALK.replace("<= 1e-5", "<= 1e-7"));
+    let failed = folder(&quick().replace("<= 1e-5", "<= 1e-7"));
     let output = scenario_runner(failed.path(), &["walk.scn", "--no-progress"]);
     assert_eq!(output.status.code(), Some(100), "{}", stdout(&output));
     // What is not found is no evidence, with a claim or without.
     for claim in ["claim <= 1e-5", ""] {
-        let text = WALK.replace("80.5 m", "99 m").replace("score pet", "score min_distance");
-        let refused = folder(&text.replace("4000", "1000").replace("claim <= 1e-5", claim));
+        let text = quick().replace("80.5 m", "99 m").replace("score pet", "score min_distance");
+        let refused = folder(&text.replace("claim <= 1e-5", claim));
         for arguments in
             [&["walk.scn", "--no-progress"][..], &["estimate", "hit", "walk.scn", "--no-progress"]]
         {
@@ -163,12 +168,13 @@ fn the_example_tells_events_in_1_000_km_with_the_source_of_the_exposure() {
     assert!((number(&along["interval"]["low"]) - 0.5 * number(&estimate["interval"]["low"])).abs() < 1e-12);
     let junit = fs::read_to_string(&junit).unwrap();
     assert!(junit.contains("per_1000_km_guaranteed") && junit.contains("exposure_source"), "{junit}");
-    // Without the line nothing is told of any distance.
+    // Without the line nothing is told of any distance, which fewer runs show as well.
     let text = fs::read_to_string(root.join(shipped)).unwrap();
     let without = |line: &&str| !line.contains("exposure 0.5") && !line.contains("per 1000 km");
     let text: Vec<&str> = text.lines().filter(without).collect();
     let roads = format!("use \"{}/scenarios/roads/town01_zebra.scn\"", root.display());
     let text = text.join("\n").replace("use \"../roads/town01_zebra.scn\"", &roads);
+    let text = text.replace("budget 8000 runs", "budget 1000 runs");
     fs::write(file("plain.scn"), text).unwrap();
     let plain =
         scenario_runner(folder.path(), &["estimate", "hit_per_1000_km", "plain.scn", "--no-progress"]);
@@ -183,7 +189,7 @@ fn the_example_tells_events_in_1_000_km_with_the_source_of_the_exposure() {
 /// Who tries seeds or budgets until an estimate passes has shown nothing, and every report says so; until those that failed pass.
 #[test]
 fn other_seeds_and_budgets_that_did_not_pass_are_told() {
-    let folder = folder(&WALK.replace("<= 1e-5", "<= 1e-7"));
+    let folder = folder(&quick().replace("<= 1e-5", "<= 1e-7"));
     let path = folder.path();
     let store = path.join(".scenario-runner/estimates.json");
     let run = |arguments: &[&str]| {
@@ -200,9 +206,9 @@ fn other_seeds_and_budgets_that_did_not_pass_are_told() {
     }
     // With another budget and a claim that holds it passes, and says what went before.
     let write = |text: String| fs::write(path.join("walk.scn"), text).unwrap();
-    write(WALK.replace("4000 runs", "3000 runs"));
+    write(quick().replace("1000 runs", "1200 runs"));
     let said = format!(
-        "{told}: 2, of which 2 did not pass: seed 1 with 4000 runs by importance, seed 2 with 4000 runs by importance"
+        "{told}: 2, of which 2 did not pass: seed 1 with 1000 runs by importance, seed 2 with 1000 runs by importance"
     );
     let files = ["--json", "r.json", "--junit", "r.xml", "--html", "r.html"];
     for command in [&["walk.scn"][..], &["estimate", "hit", "walk.scn"]] {
@@ -213,9 +219,9 @@ fn other_seeds_and_budgets_that_did_not_pass_are_told() {
         }
     }
     // Those that failed are forgotten once they pass.
-    write(WALK.to_string());
+    write(quick());
     let (_, text) = run(&["walk.scn", "--seed", "1"]);
-    assert!(text.contains(&format!("{told}: 2, of which 1 did not pass: seed 2 with 4000 runs")), "{text}");
+    assert!(text.contains(&format!("{told}: 2, of which 1 did not pass: seed 2 with 1000 runs")), "{text}");
     let (_, text) = run(&["estimate", "hit", "walk.scn", "--seed", "2"]);
     assert!(!text.contains(told), "{text}");
     assert!(!store.exists());
@@ -224,7 +230,7 @@ fn other_seeds_and_budgets_that_did_not_pass_are_told() {
 #[test]
 fn the_commands_of_one_block_write_reports() {
     let search = "search near {\n  in walk\n  over far in 60 m .. 90 m\n  minimise min_distance\n  budget 6 evaluations, 3 random first\n}\n";
-    let folder = folder(&(WALK.to_string() + search));
+    let folder = folder(&(quick() + search));
     let path = folder.path();
     for (command, name) in [("estimate", "hit"), ("search", "near")] {
         let files = ["--html=r.html", "--junit=r.xml", "--tap=r.tap", "--github"];

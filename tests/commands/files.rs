@@ -142,24 +142,39 @@ fn long() -> String {
     ENCOUNTER.replace("  ", "      ") + &"# what was thought about this scenario\n".repeat(20_000)
 }
 
+/// A folder in which a command has come to its end once.
+struct Prepared {
+    writing: &'static Writing<'static>,
+    folder: TempDir,
+    /// What it wrote, by its outputs.
+    written: Vec<String>,
+    needed: Duration,
+}
+
+impl Prepared {
+    fn new(writing: &'static Writing<'static>) -> Self {
+        let folder = folder();
+        write(folder.path(), "long.scn", &long());
+        let begun = Instant::now();
+        let output = command(folder.path(), writing.arguments).output().unwrap();
+        let needed = begun.elapsed();
+        assert!([0, 100].contains(&code(&output)), "{}", stderr(&output));
+        let written = writing.outputs.iter().map(|(name, _)| read(folder.path(), name)).collect();
+        Self { writing, folder, written, needed }
+    }
+}
+
 #[test]
 fn kills_at_any_moment_damage_no_file() {
     let kills = std::env::var("KILLS").ok().and_then(|kills| kills.parse().ok()).unwrap_or(20);
     let mut stream = Stream::seeded(8);
     let (mut killed, mut touched, mut tries) = (0, 0, 0);
+    let prepared: Vec<Prepared> = WRITING.iter().map(Prepared::new).collect();
     while killed < kills {
-        let writing = &WRITING[tries % WRITING.len()];
+        let Prepared { writing, folder, written: new, needed } = &prepared[tries % prepared.len()];
+        let folder = folder.path();
         tries += 1;
         assert!(tries < 20 * kills + 100, "it ends too fast to be killed: {killed} of {tries}");
-        let folder = folder();
-        let folder = folder.path();
-        write(folder, "long.scn", &long());
-        // Once to its end: what there is before, and how long it takes.
-        let begun = Instant::now();
-        let output = command(folder, writing.arguments).output().unwrap();
-        let needed = begun.elapsed();
-        assert!([0, 100].contains(&code(&output)), "{}", stderr(&output));
-        let new: Vec<String> = writing.outputs.iter().map(|(name, _)| read(folder, name)).collect();
         write(folder, "long.scn", &long());
         let old: Vec<String> = writing.outputs.iter().map(|(name, _)| read(folder, name)).collect();
         let before = look(folder);

@@ -41,6 +41,7 @@ const TUNED: &str = "suite tuned {
     vary tta in [3 s, 4 s]
     expect { max_deceleration <= 100 m/s^2 }
   }
+  gate hard { baseline \"b.json\"; max_deceleration not worse }
 }
 tune braking {
   on brakes

@@ -1,4 +1,5 @@
-//! All reports of shipped suites, held line by line: what rebuilds the program may not change what users and their tools read.
+//! All reports of a suite that fails, of one with a gate and of one with blocks, held line by line: what rebuilds the program may not
+//! change what users and their tools read.
 //!
 //! Short reports stand in snapshots as they are. Of long ones there is a checksum a line, eight a row, so that a difference
 //! shows where it begins. Wall times, dates and temporary places are taken out.
@@ -49,15 +50,19 @@ fn held(text: &str) -> String {
     format!("{} lines\n{}\n", sums.len(), rows.join("\n"))
 }
 
-/// Runs a shipped suite with every report there is and holds each.
-fn hold(suite: &str, ends_with: i32) {
+/// The repository.
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// Runs the suite of a file in `root` with every report there is and holds each under the name of the suite.
+fn hold(root: &Path, file: &str, ends_with: i32) {
     let folder = tempfile::tempdir().unwrap();
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let suite = Path::new(file).file_stem().unwrap().to_str().unwrap();
     let place = |kind: &str| folder.path().join(kind).display().to_string();
     let files: Vec<(String, String)> = FILES.iter().map(|kind| (format!("--{kind}"), place(kind))).collect();
-    let suite_file = format!("suites/{suite}.suite");
     let journal = place("journal");
-    let mut arguments = vec![suite_file.as_str(), "--test-threads", "1", "--no-progress", "--github"];
+    let mut arguments = vec![file, "--test-threads", "1", "--no-progress", "--github"];
     // Nobody else may be using the journals of the project.
     arguments.extend(["--journal", journal.as_str()]);
     arguments.extend(files.iter().flat_map(|(option, path)| [option.as_str(), path.as_str()]));
@@ -95,15 +100,20 @@ fn hold(suite: &str, ends_with: i32) {
 
 #[test]
 fn of_a_suite_that_fails() {
-    hold("zebra_unsafe", 100);
+    hold(root(), "suites/zebra_unsafe.suite", 100);
 }
 
+/// The baseline is the one that the program itself saves in the folder of the suite.
 #[test]
 fn of_a_suite_with_a_gate() {
-    hold("zebra_gate", 0);
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("gated.suite"), include_str!("gated.suite")).unwrap();
+    let saved = scenario_runner(folder.path(), &["baseline", "save", "gated.suite"]);
+    assert_eq!(code(&saved), 0, "{}", stderr(&saved));
+    hold(folder.path(), "gated.suite", 0);
 }
 
 #[test]
 fn of_a_suite_with_blocks() {
-    hold("worst_arrival", 0);
+    hold(root(), "tests/commands/arrival.suite", 0);
 }

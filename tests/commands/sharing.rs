@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
+use std::sync::OnceLock;
 use std::thread;
 use std::time::Duration;
 
@@ -70,14 +71,15 @@ fn ended(worker: Child) -> Output {
     output
 }
 
-/// How many runs of undecided units a worker has made, by its log.
-fn own(folder: &Path, pid: u32) -> u64 {
+/// How many runs of undecided units a worker has made, and how many there are in those that it has completed, by its log.
+fn made(folder: &Path, pid: u32) -> (u64, u64) {
     let ending = format!(".{pid}.jsonl");
     let logs = fs::read_dir(folder.join("results/log")).unwrap().map(|file| file.unwrap().path());
     let of_worker = logs.filter(|path| path.to_string_lossy().ends_with(&ending));
     let text: String = of_worker.map(|path| fs::read_to_string(path).unwrap()).collect();
-    let what = |line: &str| serde_json::from_str::<Value>(line).unwrap()["what"]["own"].as_u64();
-    text.lines().filter_map(what).sum()
+    let lines: Vec<Value> = text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let sum = |what: &str| lines.iter().filter_map(|line| line["what"][what].as_u64()).sum();
+    (sum("own"), sum("runs"))
 }
 
 fn journals(folder: &Path) -> Vec<PathBuf> {
@@ -106,38 +108,32 @@ fn reports(folder: &Path, arguments: &[&str]) -> (i32, String, Vec<u8>) {
     (code(&output), settled(&text), fs::read(folder.join("r.jsonl")).unwrap())
 }
 
-fn assert_merged(folder: &Path, selected: &[&str], what: &str) {
-    let merged = reports(folder, &["merge", "manifest.jsonl", "--results", "results"]);
-    let local = reports(folder, &[&["people.suite"], selected].concat());
+fn assert_merged(path: &Path, selected: &[&str], what: &str) {
+    let merged = reports(path, &["merge", "manifest.jsonl", "--results", "results"]);
+    let here = |path: &Path| reports(path, &[&["people.suite"], selected].concat());
+    // Several tests compare with the tune.
+    static TUNED: OnceLock<(i32, String, Vec<u8>)> = OnceLock::new();
+    let tuned = || TUNED.get_or_init(|| here(folder().path())).clone();
+    let local = if selected == TUNE { tuned() } else { here(path) };
     assert!(merged == local, "{what}: {} and {}", merged.0, local.0);
-    assert!(journals(folder).is_empty(), "{what}");
+    assert!(journals(path).is_empty(), "{what}");
 }
 
 const TUNE: [&str; 2] = ["-E", "kind(tune)"];
-
-/// How many runs one worker makes for the tune.
-fn alone(folder: &Path) -> u64 {
-    planned(folder, &TUNE);
-    let worker = begun(folder, &[]);
-    let pid = worker.id();
-    ended(worker);
-    let all = own(folder, pid);
-    fs::remove_dir_all(folder.join("results")).unwrap();
-    all
-}
 
 #[test]
 fn workers_that_begin_at_once_and_one_that_is_late_share_the_runs_of_a_tune() {
     let folder = folder();
     let folder = folder.path();
-    let all = alone(folder);
+    planned(folder, &TUNE);
     let mut workers = vec![begun(folder, &[]), begun(folder, &["--partition", "slice:1/1"])];
     await_journal(folder, &mut workers[1], 100_000);
     // None of it is of this share.
     workers.push(begun(folder, &["--partition", "slice:2/2"]));
     let pids: Vec<u32> = workers.iter().map(Child::id).collect();
     let said: Vec<Output> = workers.into_iter().map(ended).collect();
-    let made: Vec<u64> = pids.iter().map(|pid| own(folder, *pid)).collect();
+    let (made, completed): (Vec<u64>, Vec<u64>) = pids.iter().map(|pid| made(folder, *pid)).unzip();
+    let all = completed.into_iter().max().unwrap();
     let told = format!("{made:?} of {all}: {}{}", stdout(&said[0]), stdout(&said[2]));
     assert!(made[0] * 15 > all && made[1] * 15 > all && made[2] > 0, "{told}");
     assert!(made.iter().sum::<u64>() < all * 7 / 4, "{told}");
@@ -154,7 +150,7 @@ fn workers_that_begin_at_once_and_one_that_is_late_share_the_runs_of_a_tune() {
 fn the_part_of_a_worker_that_is_killed_is_made_by_who_has_joined_it() {
     let folder = folder();
     let folder = folder.path();
-    let all = alone(folder);
+    planned(folder, &TUNE);
     // A journal of somebody else that is damaged is there as well.
     let unit = || {
         let manifest = fs::read_to_string(folder.join("manifest.jsonl")).unwrap();
@@ -171,7 +167,7 @@ fn the_part_of_a_worker_that_is_killed_is_made_by_who_has_joined_it() {
     owner.wait().unwrap();
     let pid = joined.id();
     let output = ended(joined);
-    let made = own(folder, pid);
+    let (made, all) = made(folder, pid);
     assert!(made * 15 > all && made < all, "{made} of {all}");
     assert!(stderr(&output).contains(".ghost.1.jsonl is no scenario-runner journal"), "{}", stderr(&output));
     assert_merged(folder, &TUNE, "killed");
@@ -188,6 +184,7 @@ fn who_is_to_make_its_own_share_only_does_no_more() {
         let output = ended(begun(folder, &[&["--partition", "slice:2/2"], more].concat()));
         assert!(stdout(&output).contains("made 0 batches of 0 runs\n"), "{}", stdout(&output));
         assert!(!stderr(&output).contains("helps"), "{}", stderr(&output));
+        assert!(owner.try_wait().unwrap().is_none(), "there was something to help with all the time");
     }
     ended(owner);
     assert_merged(folder, &TUNE, "alone");
@@ -197,6 +194,8 @@ fn who_is_to_make_its_own_share_only_does_no_more() {
 fn shares_of_a_whole_suite_that_help_each_other_come_to_the_reports_of_one_machine() {
     let folder = folder();
     let folder = folder.path();
+    let small = SUITE.replace("repeat 15", "repeat 6").replace("30 evaluations, 24", "16 evaluations, 12");
+    fs::write(folder.join("people.suite"), small).unwrap();
     planned(folder, &[]);
     let shares = ["slice:1/3", "slice:2/3", "slice:3/3"];
     let workers = shares.map(|share| begun(folder, &["--partition", share]));

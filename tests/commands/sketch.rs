@@ -3,7 +3,16 @@
 use std::fs;
 use std::path::Path;
 
+use files::Disk;
+use models::standard;
+use report::Sketch;
+use runner::plan::plan;
+
 use crate::support::program::{code, scenario_runner, stderr, stdout};
+
+/// What is no terminal shows a sketch that large, in characters.
+const COLUMNS: usize = 100;
+const ROWS: usize = 60;
 
 const SCENARIO: &str = "scenario walk {
   road { lanes forward, backward; lane_width 3.5 m; speed_limit 50 km/h; crossing zebra { width: 4 m } }
@@ -30,6 +39,7 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
+/// The program draws one scenario of every suite; the library, which it draws them by, draws all of them.
 #[test]
 fn every_scenario_that_ships_is_drawn() {
     let folder = tempfile::tempdir().unwrap();
@@ -40,35 +50,37 @@ fn every_scenario_that_ships_is_drawn() {
     suites.retain(|path| path.extension().is_some_and(|ending| ending == "suite"));
     for suite in suites {
         let file = suite.display().to_string();
-        // The programs of others are declared, and nothing asks them here.
-        let listed = scenario_runner(root(), &["list", &file, "--format", "json"]);
-        let listed: serde_json::Value = serde_json::from_str(&stdout(&listed)).unwrap();
-        let of = |one: &serde_json::Value| {
-            (one["kind"] == "scenario").then(|| one["name"].as_str().unwrap().to_string())
-        };
-        // One of every suite as a file, too.
-        for (index, name) in listed["listed"].as_array().unwrap().iter().filter_map(of).enumerate() {
-            let text = scenario_runner(root(), &["sketch", &file, &name]);
-            assert_eq!(code(&text), 0, "{name}: {}", stderr(&text));
-            let said = stdout(&text);
+        let suite =
+            lang::load(&suite, &standard(), &Disk).unwrap_or_else(|_| panic!("{file} has errors")).suite;
+        let plan = plan(&suite).unwrap_or_else(|errors| panic!("{file}: {}", errors[0].message));
+        let first_trial =
+            |name: &str| plan.trials().find(|trial| trial.scenario == name && !trial.cases.is_empty());
+        for (index, name) in suite.scenarios.iter().map(|scenario| &scenario.name).enumerate() {
+            let case = first_trial(name).expect("a trial with a run").cases.first();
+            let sketch = Sketch::of(&case);
+            let (text, picture) = (sketch.to_text(COLUMNS, ROWS), sketch.to_svg());
             assert!(
-                said.contains("before the crossing") && said.contains("If all keep their speed:"),
-                "{name}:\n{said}"
+                text.contains("before the crossing") && text.contains("If all keep their speed:"),
+                "{name}:\n{text}"
             );
-            assert!(said.lines().all(|line| line.chars().count() <= 100), "{name}:\n{said}");
+            assert!(text.lines().all(|line| line.chars().count() <= COLUMNS), "{name}:\n{text}");
+            let mut reader = quick_xml::Reader::from_str(&picture);
+            while !matches!(reader.read_event().unwrap(), quick_xml::events::Event::Eof) {}
+            assert!(
+                picture.contains("class=\"vehicle")
+                    && picture.contains("class=\"pedestrian") != case.world.pedestrians.is_empty()
+                    && !picture.contains("NaN"),
+                "{name}:\n{picture}"
+            );
             drawn += 1;
             if index == 0 {
+                let said = scenario_runner(root(), &["sketch", &file, name]);
+                assert_eq!(code(&said), 0, "{name}: {}", stderr(&said));
+                assert_eq!(stdout(&said), text, "{name}");
                 let made =
-                    scenario_runner(root(), &["sketch", &file, &name, "-o", &svg.display().to_string()]);
+                    scenario_runner(root(), &["sketch", &file, name, "-o", &svg.display().to_string()]);
                 assert_eq!(code(&made), 0, "{name}: {}", stderr(&made));
-                let made = fs::read_to_string(&svg).unwrap();
-                let mut reader = quick_xml::Reader::from_str(&made);
-                while !matches!(reader.read_event().unwrap(), quick_xml::events::Event::Eof) {}
-                assert!(
-                    made.contains("class=\"vehicle")
-                        && made.contains("class=\"pedestrian")
-                        && !made.contains("NaN")
-                );
+                assert_eq!(fs::read_to_string(&svg).unwrap(), picture, "{name}");
             }
         }
     }

@@ -10,8 +10,9 @@ use std::time::{Duration, Instant};
 
 /// No line is waited for longer.
 const PATIENCE: Duration = Duration::from_secs(120);
-/// For so long nothing is to happen, where nothing should.
-const SILENCE: Duration = Duration::from_secs(3);
+/// Nothing is to happen for as long as this many of the slowest reactions so far, and at least so long, where nothing should.
+const REACTIONS: u32 = 5;
+const SILENCE: Duration = Duration::from_millis(500);
 
 /// One run, which comes to 1.7 m: it passes if the limit (m) is small.
 fn scenario(name: &str, limit: &str) -> String {
@@ -37,6 +38,8 @@ struct Watch {
     child: Child,
     lines: Receiver<String>,
     said: Vec<String>,
+    /// The longest time from a change to the line that names it.
+    slowest: Duration,
 }
 
 impl Watch {
@@ -54,7 +57,7 @@ impl Watch {
         thread::spawn(move || {
             BufReader::new(reader).lines().for_each(|line| _ = line.map(|line| sender.send(line)));
         });
-        Self { child, lines, said: Vec::new() }
+        Self { child, lines, said: Vec::new(), slowest: Duration::ZERO }
     }
 
     /// The next line with these words, waited for; what is said before it is left behind.
@@ -82,8 +85,15 @@ impl Watch {
         states
     }
 
+    /// As [`Self::line`], just after the change that the line names.
+    fn reaction(&mut self, words: &str) {
+        let begun = Instant::now();
+        self.line(words);
+        self.slowest = self.slowest.max(begun.elapsed());
+    }
+
     fn is_silent(&mut self) {
-        if let Ok(line) = self.lines.recv_timeout(SILENCE) {
+        if let Ok(line) = self.lines.recv_timeout(SILENCE.max(REACTIONS * self.slowest)) {
             panic!("said `{line}`");
         }
     }
@@ -112,26 +122,26 @@ fn a_change_runs_it_again_and_the_old_verdict_is_gone() {
     assert_eq!(watch.states(), ["a.scn: passed, 1 unit"]);
     // A text that fails, saved in place.
     fs::write(&path, scenario("a", "9.1")).unwrap();
-    watch.line("a.scn changed");
+    watch.reaction("a.scn changed");
     assert_eq!(watch.states(), ["a.scn: failed, 1 unit"]);
     // One that is none.
     fs::write(&path, "scenario a {").unwrap();
-    watch.line("error");
+    watch.reaction("error");
     assert_eq!(watch.states(), ["a.scn: does not load"]);
     // It is removed, and back under the name of another, as editors save.
     fs::remove_file(&path).unwrap();
-    watch.line("a.scn changed");
+    watch.reaction("a.scn changed");
     assert_eq!(watch.states(), ["a.scn: does not load"]);
     let new = folder.path().join(".a.scn.swp");
     fs::write(&new, scenario("a", "0.1")).unwrap();
     fs::rename(&new, &path).unwrap();
-    watch.line("a.scn changed");
+    watch.reaction("a.scn changed");
     assert_eq!(watch.states(), ["a.scn: passed, 1 unit"]);
     // The same size and time, with other content.
     let modified = fs::metadata(&path).unwrap().modified().unwrap();
     fs::write(&path, scenario("a", "9.1")).unwrap();
     fs::File::options().write(true).open(&path).unwrap().set_modified(modified).unwrap();
-    watch.line("a.scn changed");
+    watch.reaction("a.scn changed");
     assert_eq!(watch.states(), ["a.scn: failed, 1 unit"]);
     // Written, and nothing is otherwise.
     fs::write(&path, scenario("a", "9.1")).unwrap();

@@ -1,6 +1,7 @@
 //! Calibrations: what must not matter changes nothing, what is cut off goes on, and what cannot be says so.
 
 use std::path::Path;
+use std::sync::LazyLock;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use files::Memory;
@@ -75,12 +76,16 @@ fn calibrated(block: &str, rows: &str, executor: &dyn Executor) -> Result<Calibr
     run(&suite, executor, None, &Stop::default(), &Silent)
 }
 
+/// The calibration with which most tests compare another one.
+static USUAL: LazyLock<CalibrateResult> =
+    LazyLock::new(|| calibrated(MATCHED, &ROWS.concat(), &Threads::new(2)).unwrap());
+
 #[test]
 fn the_order_of_rows_and_of_runs_changes_nothing() {
-    let usual = calibrated(MATCHED, &ROWS.concat(), &Threads::new(2)).unwrap();
+    let usual = &*USUAL;
     let turned = calibrated(MATCHED, &[ROWS[1], ROWS[0]].concat(), &Threads::new(2)).unwrap();
     let shuffled = calibrated(MATCHED, &ROWS.concat(), &Shuffled::seeded(3)).unwrap();
-    assert_eq!(usual, shuffled);
+    assert_eq!(*usual, shuffled);
     assert_eq!((&usual.weights, &usual.conditions), (&turned.weights, &turned.conditions));
     assert!((usual.weights.iter().sum::<f64>() - 1.0).abs() < 1e-6);
     // Of 40 candidates fewer than 50 decide, and that is said.
@@ -170,14 +175,13 @@ impl BlockProgress for StopsAt {
 fn what_is_cut_off_goes_on_to_the_same_weights() {
     let folder = tempfile::tempdir().unwrap();
     let suite = load(MATCHED, &ROWS.concat());
-    let whole = run(&suite, &Threads::new(2), None, &Stop::default(), &Silent).unwrap();
     let stop = Stop::default();
     let stops = StopsAt(stop.clone(), AtomicUsize::new(0));
     let cut = run(&suite, &Threads::new(2), Some(folder.path()), &stop, &stops);
     assert!(matches!(cut, Err(ExperimentError::Stopped)), "{cut:?}");
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     let resumed = run(&suite, &Threads::new(2), Some(folder.path()), &Stop::default(), &Silent).unwrap();
-    assert_eq!(resumed, whole);
+    assert_eq!(resumed, *USUAL);
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "the journal is removed");
 }
 
@@ -208,7 +212,7 @@ fn what_cannot_be_says_so() {
 
 #[test]
 fn a_calibrated_population_is_walked_with() {
-    let result = calibrated(MATCHED, &ROWS.concat(), &Threads::new(2)).unwrap();
+    let result = &*USUAL;
     let population = result.population();
     let written = population.to_json().unwrap();
     let walker = standard().pedestrians().get("commotions").unwrap().declaration.clone();
@@ -275,14 +279,14 @@ const LIVES: &str = "match mean of walker.model.T_delta to 45 s within 0.5 s\n  
 
 #[test]
 fn a_parameter_is_distributed_as_it_is_matched() {
-    let usual = calibrated(MATCHED, &ROWS.concat(), &Threads::new(2)).unwrap();
+    let usual = &*USUAL;
     let block = format!("{MATCHED}\n  {LIVES}\n  compare with \"them.csv\"");
     let suite = load(&block, &ROWS.concat());
     let result = run(&suite, &Threads::new(2), None, &Stop::default(), &Silent).unwrap();
     let equal = vec![1.0 / 40.0; 40];
     // It would not come out by itself.
     for weights in [&usual.weights, &equal] {
-        let (mean, deviation) = moments(&usual, weights, "T_delta", 45.0);
+        let (mean, deviation) = moments(usual, weights, "T_delta", 45.0);
         assert!((mean - 45.0).abs() > 0.5 || (deviation - 18.0).abs() > 0.5, "{mean} {deviation}");
     }
     // As other persons might have been observed, it is distributed so as well.
@@ -355,7 +359,7 @@ fn a_distribution_that_the_candidates_cannot_have_is_told_before_any_run() {
 
 #[test]
 fn closer_is_closer_and_what_is_compared_changes_no_weight() {
-    let usual = calibrated(MATCHED, &ROWS.concat(), &Threads::new(2)).unwrap();
+    let usual = &*USUAL;
     let block =
         format!("{MATCHED}\n  method maximum_entropy within 30 % of error\n  compare with \"them.csv\"");
     let closer = calibrated(&block, &ROWS.concat(), &Threads::new(2)).unwrap();
@@ -363,21 +367,21 @@ fn closer_is_closer_and_what_is_compared_changes_no_weight() {
         let apart = |one: &results::CalibratedCondition| (one.share.fitted - one.share.observed).abs();
         result.conditions.iter().map(apart).sum::<f64>()
     };
-    assert!(missed(&closer) < 0.8 * missed(&usual), "{} and {}", missed(&closer), missed(&usual));
+    assert!(missed(&closer) < 0.8 * missed(usual), "{} and {}", missed(&closer), missed(usual));
     assert!(closer.effective_size < usual.effective_size);
     let [compared] = &closer.compared[..] else { panic!("{:?}", closer.compared) };
     assert_eq!((compared.name.as_str(), compared.individuals, compared.shares.len()), ("them.csv", 4, 2));
     // With more time more people go first.
     assert!(compared.shares[0].0 < compared.shares[1].0, "{compared:?}");
     assert!(compared.shares.iter().all(|(share, spread)| (0.0..=*share).contains(spread)));
-    assert_same_beside("\"them.csv\"", &usual);
+    assert_same_beside("\"them.csv\"", usual);
 }
 
 #[test]
 #[ignore = "it has everybody of a population that ships walk"]
 fn a_population_that_ships_changes_no_weight_either() {
-    let usual = calibrated(MATCHED, &ROWS.concat(), &Threads::new(2)).unwrap();
-    let same = assert_same_beside("standard", &usual);
+    let usual = &*USUAL;
+    let same = assert_same_beside("standard", usual);
     assert_eq!(same.compared[0].individuals, 1123);
 }
 

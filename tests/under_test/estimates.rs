@@ -7,7 +7,7 @@ use super::{Outcome, expect, expect_all, in_folder, run, scenario};
 /// The program dies where `gap` is above 20 m: in one of 500 runs that are drawn. What came of the others is no probability.
 pub fn a_program_that_dies_in_one_of_many_runs_leaves_no_number() -> Outcome {
     let block = "estimate hit {\n  of meet\n  event max_deceleration >= 1 m/s^2\n  budget 1000 runs, by crude\n  claim <= 99 %\n}\n";
-    let text = scenario("kind=crash_wide", "")
+    let text = scenario("kind=crash_wide", "period 500 ms")
         .replace("controller own; speed", "controller own { gap: wide }; speed")
         .replace("  vary later in [0 s, 0.2 s]\n", "  draw later from uniform(0 s, 0.2 s)\n")
         .replace("  expect {", "  draw wide from uniform(1 m, 20.04 m)\n  expect {");

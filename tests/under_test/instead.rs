@@ -16,6 +16,7 @@ fn scenarios(controller: &str, second: &str) -> String {
   pedestrian walker {{ model scripted; start 2 m from kerb; appears at later }}
   vary later in [0 s, 0.2 s]
   repeat 2
+  finish 20 m
   expect {{ max_deceleration <= 12 m/s^2 }}
 }}
 scenario meet : base {{ }}

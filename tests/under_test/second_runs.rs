@@ -17,7 +17,8 @@ fn gated(text: &str) -> tempfile::TempDir {
 
 /// By the clock, but so little that a gate has nothing to say against it.
 fn by_chance(more: &str) -> String {
-    scenario("kind=clock_a_bit", more).replace("  expect {", "  repeat 8\n  expect {")
+    scenario("kind=clock_a_bit", &format!("period 100 ms\n  {more}"))
+        .replace("  expect {", "  repeat 8\n  expect {")
 }
 
 const SAVE: [&str; 6] = ["baseline", "save", "gated.suite", "--out", "base.json", "--allow-run"];
@@ -89,7 +90,8 @@ pub fn a_baseline_by_chance_says_so() -> Outcome {
 
 /// A rule that could not have failed passes where nothing changed; with chance, that it did not is chance.
 pub fn what_is_deterministic_is_compared_as_ever() -> Outcome {
-    let folder = gated(&scenario("at_once=16", "").replace("  expect {", "  repeat 8\n  expect {"));
+    let folder =
+        gated(&scenario("at_once=16", "period 100 ms").replace("  expect {", "  repeat 8\n  expect {"));
     let path = folder.path();
     let said = run(path, &save(&["--verify-runs=all"]));
     expect(said.code == Some(0) && !said.text.contains("W1102"), || said.text.clone())?;
@@ -107,7 +109,8 @@ pub fn what_is_deterministic_is_compared_as_ever() -> Outcome {
 pub fn what_is_made_up_for_a_gate_is_made_twice() -> Outcome {
     // Few runs decide the trial, and the gate wants the others.
     let decided = "max_deceleration <= 9 m/s^2 in 50 % of runs with 90 % confidence";
-    let text = scenario("kind=clock_a_bit", "").replace("later in [0 s, 0.2 s]", "later in [0 s]");
+    let text =
+        scenario("kind=clock_a_bit", "period 100 ms").replace("later in [0 s, 0.2 s]", "later in [0 s]");
     let text = text.replace("max_deceleration <= 9 m/s^2", decided);
     let folder = gated(&text.replace("  expect {", "  runs 5 .. 40\n  expect {"));
     let path = folder.path();
@@ -124,7 +127,7 @@ pub fn what_is_made_up_for_a_gate_is_made_twice() -> Outcome {
 /// A condition of an `evaluate` and what a search or tune comes to are runs like others.
 pub fn blocks_by_chance_are_warned_of() -> Outcome {
     let evaluate = "evaluate both {\n  on meet\n  with default, { av.controller.gap: 20 m } as wide\n  measure mean(time_lost)\n}\n";
-    let text = scenario("kind=clock_a_bit", "").replace("<= 9 m/s^2", "<= 30 m/s^2") + evaluate;
+    let text = scenario("kind=clock_a_bit", "period 100 ms").replace("<= 9 m/s^2", "<= 30 m/s^2") + evaluate;
     let folder = in_folder(&text);
     let made = |option: &str, words: &[&str]| {
         let said = run(
@@ -136,7 +139,7 @@ pub fn blocks_by_chance_are_warned_of() -> Outcome {
     made("--verify-runs=some", &["W1102", "2 of 2 runs that were made twice"])?;
     made("--verify-runs=all", &["W1102", "4 of 4 runs that were made twice"])?;
     let tune = "tune best {\n  on meet\n  over av.controller.gap in 5 m .. 20 m\n  minimise mean(max_deceleration)\n  budget 4 evaluations, 3 random first\n}\n";
-    let folder = in_folder(&(scenario("kind=clock_a_bit", "") + tune));
+    let folder = in_folder(&(scenario("kind=clock_a_bit", "period 100 ms") + tune));
     let tuned = |option: &str| {
         run(folder.path(), &["tune", "best", "meet.scn", "--allow-run", "--no-progress", option])
     };
@@ -169,7 +172,7 @@ pub fn tests_of_a_project_are_warned() -> Outcome {
     expect_all(&run(folder.path(), &save(&["--verify-runs=none"])), 0, &[])?;
     let said = tested(folder.path(), "all");
     expect_all(&said, 101, &["max_deceleration", "warning: gated.suite: W1102"])?;
-    let folder = gated(&scenario("", ""));
+    let folder = gated(&scenario("", "period 100 ms"));
     expect_all(&run(folder.path(), &save(&[])), 0, &[])?;
     let said = tested(folder.path(), "all");
     expect(said.code == Some(0) && !said.text.contains("W1102"), || said.text.clone())
@@ -190,7 +193,9 @@ pub fn project() -> ExitCode {
 
 /// A program that seeds itself by the clock is warned of in every report, and its runs are no others for that.
 pub fn what_goes_by_the_clock_is_not_deterministic() -> Outcome {
-    let failing = |more: &str| scenario("kind=clock", more).replace("<= 9 m/s^2", "<= 0.001 m/s^2");
+    let failing = |more: &str| {
+        scenario("kind=clock", &format!("period 100 ms\n  {more}")).replace("<= 9 m/s^2", "<= 0.001 m/s^2")
+    };
     let folder = in_folder(&failing(""));
     let warned = ["W1102", "`own` is not deterministic", "at 0 s -"];
     let files = ["junit", "json", "tap", "html"];
@@ -240,7 +245,7 @@ pub fn what_goes_by_the_clock_is_not_deterministic() -> Outcome {
     }
     // What is tuned by itself is warned of as well.
     let tune = "tune best {\n  on meet\n  over av.controller.gap in 5 m .. 20 m\n  minimise mean(max_deceleration)\n  budget 4 evaluations, 3 random first\n}\n";
-    let folder = in_folder(&(scenario("kind=clock", "") + tune));
+    let folder = in_folder(&(scenario("kind=clock", "period 100 ms") + tune));
     let said = run(folder.path(), &["tune", "best", "meet.scn", "--allow-run", "--no-progress"]);
     expect_all(&said, 0, &["W1102", "1 of 1 runs"])?;
     let folder = in_folder(&failing("nondeterministic"));
@@ -252,13 +257,13 @@ pub fn what_goes_by_the_clock_is_not_deterministic() -> Outcome {
 
 pub fn what_is_deterministic_is_not_warned_of() -> Outcome {
     for words in ["", "at_once=16 encoding=f64"] {
-        let folder = in_folder(&many(words, ""));
+        let folder = in_folder(&many(words, "period 100 ms"));
         let said = run(folder.path(), &["meet.scn", "--allow-run", "--no-progress", "--verify-runs=all"]);
         expect(!said.text.contains("W1102"), || said.text.clone())?;
         expect_all(&said, 0, &["18 runs made twice", "6 trials, 18 runs"])?;
     }
     // What depends on the other runs of a process is found, though each process does the same every time.
-    let folder = in_folder(&many("kind=counts at_once=4", ""));
+    let folder = in_folder(&many("kind=counts at_once=4", "period 100 ms"));
     let said = run(folder.path(), &["meet.scn", "--allow-run", "--no-progress", "--verify-runs=all", "-j1"]);
     expect_all(&said, 0, &["W1102"])
 }
@@ -279,7 +284,7 @@ pub fn a_recorded_failure_of_chance_is_kept() -> Outcome {
     let before = recorded();
     expect(before > 0, || "nothing is recorded".to_string())?;
     // With a clock in it each second run differs.
-    let clock = scenario("kind=clock_a_bit", "").replace("<= 9 m/s^2", "<= 2 m/s^2");
+    let clock = scenario("kind=clock_a_bit", "period 100 ms").replace("<= 9 m/s^2", "<= 2 m/s^2");
     fs::write(folder.path().join("meet.scn"), clock)?;
     let said = run(
         folder.path(),

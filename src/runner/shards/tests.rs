@@ -310,7 +310,8 @@ fn many_machines_come_to_what_one_comes_to() {
     }
     let manifest = plan(&place, &project, |_| true);
     let mut known: Option<BTreeMap<PathBuf, Vec<u8>>> = None;
-    for (shards, threads) in [(1, 3), (7, 1), (40, 2)] {
+    // With 40 shares, most have one unit or none.
+    for (shards, threads) in [(1, 3), (40, 1)] {
         let _ = fs::remove_dir_all(place.results());
         // The last share first, and some in orders of their own.
         for share in (0..shards).rev() {

@@ -143,38 +143,38 @@ impl<'p> Alone<'p> {
     }
 }
 
-/// So many workers with all of a unit for their share come to what one comes to, and each makes a part of it; a run takes that many ms.
-fn assert_made_together(place: &Place, unit: &str, run: u64, workers: &[usize]) {
+/// Asserts that some workers, each with all of a unit for its share, get the results of one worker, and that each makes a part of the runs.
+/// A run takes `run` ms.
+fn assert_made_together(place: &Place, unit: &str, run: u64, workers: usize) {
     let alone = Alone::new(place, unit);
-    for &workers in workers {
-        let executors: Vec<Slow> = (0..workers).map(|_| Slow::new(run)).collect();
-        thread::scope(|scope| {
-            for (number, executor) in executors.iter().enumerate() {
-                let alone = &alone;
-                scope.spawn(move || alone.work(&format!("here.{number}"), true, executor).unwrap());
-            }
-        });
-        alone.assert_same(unit);
-        let made: Vec<usize> = executors.iter().map(Slow::made).collect();
-        let said = format!("{unit}: {made:?} of {}", alone.runs);
-        assert!(made.iter().all(|made| *made * 15 * workers >= alone.runs), "{said}");
-        // What is made twice is little.
-        assert!(made.iter().sum::<usize>() < alone.runs * workers * 9 / 10 + 20, "{said}");
-        assert_eq!(merge(place, &alone.project, &alone.manifest).map(|_| ()), Ok(()), "{unit}");
-        alone.begin_anew();
-    }
+    let executors: Vec<Slow> = (0..workers).map(|_| Slow::new(run)).collect();
+    thread::scope(|scope| {
+        for (number, executor) in executors.iter().enumerate() {
+            let alone = &alone;
+            scope.spawn(move || alone.work(&format!("here.{number}"), true, executor).unwrap());
+        }
+    });
+    alone.assert_same(unit);
+    let made: Vec<usize> = executors.iter().map(Slow::made).collect();
+    let said = format!("{unit}: {made:?} of {}", alone.runs);
+    assert!(made.iter().all(|made| *made * 15 * workers >= alone.runs), "{said}");
+    // Workers make few runs twice.
+    assert!(made.iter().sum::<usize>() < alone.runs * workers * 9 / 10 + 20, "{said}");
+    assert_eq!(merge(place, &alone.project, &alone.manifest).map(|_| ()), Ok(()), "{unit}");
+    alone.begin_anew();
 }
 
 #[test]
 fn workers_with_the_same_share_make_its_runs_together() {
     let place = place();
     for unit in UNITS {
-        let run = match unit {
-            "=rarely" => 2,
-            "everything/open/tta=12s" => 20,
-            _ => 5,
+        let (run, workers) = match unit {
+            "=rarely" => (2, 3),
+            "everything/open/tta=12s" => (20, 2),
+            "=found" => (5, 3),
+            _ => (5, 2),
         };
-        assert_made_together(&place, unit, run, &[2, 3]);
+        assert_made_together(&place, unit, run, workers);
     }
 }
 
@@ -226,7 +226,7 @@ fn rounds_of_many_people_are_made_together() {
     fs::write(folder.path().join("people.csv"), OBSERVED).unwrap();
     let place = Place { folder, files };
     for unit in ["=worst", "=people"] {
-        assert_made_together(&place, unit, 5, &[2]);
+        assert_made_together(&place, unit, 5, 2);
     }
 }
 

@@ -144,7 +144,7 @@ fn the_more_runs_got_worse_the_surer_it_is() {
             assert_eq!(check.outcome == CheckOutcome::Regressed, verdict.verdict == Verdict::Failed);
             check.adjusted_p_value.unwrap()
         };
-        let all: Vec<f64> = [4, 8, 12, 16, 24, 40, 80, 160, 200].map(adjusted).to_vec();
+        let all: Vec<f64> = [4, 8, 12, 24, 80, 200].map(adjusted).to_vec();
         assert!(all.windows(2).all(|two| two[1] <= two[0].max(0.001)), "{all:?}");
         assert!(all[2..].iter().all(|p| *p <= 0.025), "{all:?}");
     }
