@@ -624,7 +624,7 @@ mod interrupts {
     #[test]
     fn a_tune_goes_on_from_its_journal_to_the_same_result() {
         let tune = "tune many {\n  on commotions_carla\n  over av.controller.braking_distance in 4 m .. 25 m\n\
-                    minimise mean(time_lost)\n  subject to no collision\n  budget 16 evaluations, by random\n}\n";
+                    minimise mean(time_lost)\n  subject to no collision\n  budget 12 evaluations, by random\n}\n";
         goes_on("tune", tune, 4);
     }
 }

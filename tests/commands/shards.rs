@@ -214,7 +214,7 @@ fn a_plan_of_another_program_is_refused_by_name() {
 /// The only file of results, with a run in it that is called otherwise, sealed again.
 fn renamed_run(folder: &Path) {
     let path = &result_files(folder)[0];
-    let text = fs::read_to_string(&path).unwrap();
+    let text = fs::read_to_string(path).unwrap();
     let body = &text[..text.trim_end().rfind('\n').unwrap() + 1];
     let at = body.find("{\"run\":\"").unwrap() + 8;
     let other = if &body[at..=at] == "0" { "1" } else { "0" };
@@ -324,7 +324,7 @@ search worst {
   individuals 5 of standard
   minimise pet
   over tta in 3 s .. 9 s
-  keep pet <= 1.9 s
+  keep pet <= 1.8 s
   budget 8 evaluations, 8 random first
 }
 tune good {

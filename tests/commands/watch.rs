@@ -187,7 +187,7 @@ fn a_change_while_it_runs_stops_it_and_is_not_lost() {
     fs::write(&path, long("0.1")).unwrap();
     let mut watch = Watch::begin(folder.path(), &["a.scn"]);
     watch.line("Starting");
-    thread::sleep(Duration::from_millis(300));
+    thread::sleep(Duration::from_millis(50));
     fs::write(&path, scenario("a", "9.1")).unwrap();
     watch.line("a.scn is stopped and runs again");
     let from = watch.said.len();

@@ -221,7 +221,8 @@ def checks(program, folder, root):
         driver_killed(program, folder, cluster)
         cancelled(program, folder, cluster)
         all_done_without_the_node(*node)
-        expect(not queue(cluster), f"in the queue: {queue(cluster)}")
+        # Slurm may still be completing what has just ended.
+        until(lambda: not queue(cluster), 60, "nothing is left in the queue")
     finally:
         cluster.stop()
     expect(not cluster.left(), f"left: {cluster.left()}")

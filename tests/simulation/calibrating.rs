@@ -76,7 +76,7 @@ fn calibrated(block: &str, rows: &str, executor: &dyn Executor) -> Result<Calibr
     run(&suite, executor, None, &Stop::default(), &Silent)
 }
 
-/// The calibration with which most tests compare another one.
+/// The calibration that most tests compare with another one.
 static USUAL: LazyLock<CalibrateResult> =
     LazyLock::new(|| calibrated(MATCHED, &ROWS.concat(), &Threads::new(2)).unwrap());
 
@@ -322,7 +322,7 @@ fn a_parameter_is_distributed_as_it_is_matched() {
     let share = result.conditions[1].share;
     assert!((share.fitted - share.observed).abs() < (share.equal - share.observed).abs(), "{share:?}");
     // The method's tolerance is none of it.
-    let closer = format!("{block}\n  method maximum_entropy within 40 % of error");
+    let closer = format!("{MATCHED}\n  {LIVES}\n  method maximum_entropy within 40 % of error");
     let closer = calibrated(&closer, &ROWS.concat(), &Threads::new(2)).unwrap();
     let (mean, deviation) = moments(&closer, &closer.weights, "T_delta", 45.0);
     assert!((mean - 45.0).abs() <= 0.501 && (deviation - 18.0).abs() <= 0.501, "{mean} {deviation}");
@@ -360,8 +360,7 @@ fn a_distribution_that_the_candidates_cannot_have_is_told_before_any_run() {
 #[test]
 fn closer_is_closer_and_what_is_compared_changes_no_weight() {
     let usual = &*USUAL;
-    let block =
-        format!("{MATCHED}\n  method maximum_entropy within 30 % of error\n  compare with \"them.csv\"");
+    let block = format!("{MATCHED}\n  method maximum_entropy within 30 % of error");
     let closer = calibrated(&block, &ROWS.concat(), &Threads::new(2)).unwrap();
     let missed = |result: &CalibrateResult| {
         let apart = |one: &results::CalibratedCondition| (one.share.fitted - one.share.observed).abs();
@@ -369,12 +368,12 @@ fn closer_is_closer_and_what_is_compared_changes_no_weight() {
     };
     assert!(missed(&closer) < 0.8 * missed(usual), "{} and {}", missed(&closer), missed(usual));
     assert!(closer.effective_size < usual.effective_size);
-    let [compared] = &closer.compared[..] else { panic!("{:?}", closer.compared) };
+    let same = assert_same_beside("\"them.csv\"", usual);
+    let [compared] = &same.compared[..] else { panic!("{:?}", same.compared) };
     assert_eq!((compared.name.as_str(), compared.individuals, compared.shares.len()), ("them.csv", 4, 2));
     // With more time more people go first.
     assert!(compared.shares[0].0 < compared.shares[1].0, "{compared:?}");
     assert!(compared.shares.iter().all(|(share, spread)| (0.0..=*share).contains(spread)));
-    assert_same_beside("\"them.csv\"", usual);
 }
 
 #[test]

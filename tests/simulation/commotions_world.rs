@@ -121,7 +121,7 @@ fn gap_acceptance_rises_with_the_time_to_arrival() {
         });
         accepted.count() as f64 / 400.0
     };
-    // The paper's times to arrival.
+    // The times to arrival of the paper.
     let rates = [6.0, 10.0, 14.0, 18.0].map(|tta| (tta, rate(tta)));
     println!("gap acceptance by time to arrival: {rates:?}");
     // With these individuals and with the published ones about four in ten accept 6 s (docs/populations.md).

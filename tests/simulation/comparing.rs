@@ -67,7 +67,7 @@ fn verdicts(result: &EstimateResult) -> Vec<Verdict> {
 #[test]
 fn known_differences_and_ratios_are_found() {
     // The centre is where it starts: a longer car reaches farther to both sides.
-    for longer in [0.4, 1.0, 3.0, -1.0] {
+    for longer in [0.4, 3.0, -1.0] {
         let changed = format!("vehicle av {{ size {} m x 2 m }}", 4.0 + longer);
         let (one, other) = (probability(0.0), probability(longer));
         let (result, compared) = compared(&text(&changed, BLOCK));

@@ -8,7 +8,7 @@ use scenario::Settings;
 const TIME: f64 = 0.15;
 /// Positions hold within this, m.
 const PLACE: f64 = 0.25;
-/// A vehicle that does not brake has passed so long after its arrival, s: a pedestrian that is hit, stops or turns back does so before.
+/// Time after its arrival in which a vehicle at constant speed has passed, s. A pedestrian is hit, stops or turns back before.
 const PASSED: f64 = 2.0;
 
 /// The setting of the checks: judges time gaps without error and stops within 0.8 s.

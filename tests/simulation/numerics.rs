@@ -254,7 +254,7 @@ fn half_the_step_changes_no_metric_by_more_than_a_step_can() {
         for dynamics in registry.dynamics().iter().filter(|dynamics| dynamics.takes.contains(&model.gives)) {
             let name = &*model.declaration.name;
             // COMMOTIONS refuses steps that do not divide its own.
-            // Of short steps, which take longest, there are fewer encounters.
+            // Short steps take longest, so fewer encounters run with them.
             let steps: &[(f64, usize)] =
                 if name == "commotions" { &[(0.025, 12)] } else { &[(0.05, 12), (0.025, 12), (0.01, 4)] };
             for &(step, encounters) in steps {

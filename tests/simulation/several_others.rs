@@ -306,7 +306,7 @@ fn runs(count: usize, world: impl Fn(Settings) -> World + Sync) -> Vec<Course> {
     some_runs(count, 1, world)
 }
 
-/// Every so-manieth of the same runs.
+/// One of every `every` of these runs.
 fn some_runs(count: usize, every: usize, world: impl Fn(Settings) -> World + Sync) -> Vec<Course> {
     let one = |k: usize| run(&world(person(1 + k * 1000 / count)), 1000 + k as u64);
     (0..count).into_par_iter().step_by(every).map(one).collect()
