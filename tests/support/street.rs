@@ -5,6 +5,7 @@ use std::sync::{Arc, LazyLock};
 use models::standard;
 use runner::run::road_users;
 use scenario::population::Population;
+use scenario::registry::Registry;
 use scenario::{
     Appearance, ControllerModel, Direction, DynamicsModel, ModelSetup, PedestrianModel, PedestrianSetup,
     Position, Road, RoadUserKind, Settings, Shape, Side, VehicleSetup, VehicleStart, World,
@@ -13,6 +14,9 @@ use sim::{
     Command, Controller, ControllerError, Driver, Observation, Observer, RoadUsers, Schedule, Solid, Step,
     simulate,
 };
+
+/// The registry, made once: every road user of every run is from it.
+static REGISTRY: LazyLock<Registry> = LazyLock::new(standard);
 
 /// A zebra over two lanes of 4 m, both along +x, kerbs at -2 m and 6 m; runs go on after a contact.
 pub fn street(speed: f64, vehicles: Vec<VehicleSetup>, pedestrians: Vec<PedestrianSetup>) -> World {
@@ -47,19 +51,19 @@ pub fn car(name: &str, lane: usize, speed: f64, start: VehicleStart) -> VehicleS
 }
 
 pub fn controller(name: &str, settings: &Settings) -> ModelSetup<ControllerModel> {
-    let model = standard().controllers().get(name).expect("a controller").clone();
+    let model = REGISTRY.controllers().get(name).expect("a controller").clone();
     ModelSetup::resolved(&model, settings).expect("good settings")
 }
 
 /// The dynamics that a controller drives by default.
 pub fn dynamics_of(controller: &str) -> ModelSetup<DynamicsModel> {
-    let model = standard().controllers().get(controller).expect("a controller").clone();
+    let model = REGISTRY.controllers().get(controller).expect("a controller").clone();
     let dynamics = model.default_dynamics.entry().expect("a registry resolved them");
     ModelSetup::resolved(dynamics, &Settings::default()).expect("defaults")
 }
 
 pub fn model(name: &str, settings: &Settings) -> ModelSetup<PedestrianModel> {
-    let model = standard().pedestrians().get(name).expect("a model").clone();
+    let model = REGISTRY.pedestrians().get(name).expect("a model").clone();
     ModelSetup::resolved(&model, settings).expect("good settings")
 }
 
@@ -86,7 +90,7 @@ pub fn walker(name: &str, model: ModelSetup<PedestrianModel>, from: f64, to: f64
 /// The individual of this number, from 1, of the population that ships.
 pub fn person(number: usize) -> Settings {
     static PEOPLE: LazyLock<Population> = LazyLock::new(|| {
-        let model = standard().pedestrians().get("commotions").expect("a model").clone();
+        let model = REGISTRY.pedestrians().get("commotions").expect("a model").clone();
         Population::parse("standard", None, &model.declaration, None).expect("the population that ships")
     });
     PEOPLE.individual(1 + (number - 1) * PEOPLE.len() / 1000).expect("an individual")

@@ -2,10 +2,11 @@
 //!
 //! Lane 4 m wide, kerbs at -2 m and +6 m, the pedestrian from -4 m to +8 m at x = 0, the vehicle 4.9 m by 2.1 m.
 
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use models::pedestrian::PedestrianContext;
 use models::standard;
+use scenario::registry::Registry;
 use scenario::{
     Appearance, Direction, ModelSetup, PedestrianSetup, Position, Reference, Road, Settings, Shape, Side,
     Value, VehicleReference, VehicleSetup, VehicleStart, World,
@@ -14,6 +15,9 @@ use sim::{
     Command, Controller, ControllerError, Driven, Ending, Mode, Observation, Observer, RoadUsers, Schedule,
     Step, StopReason, simulate,
 };
+
+/// The registry, made once: every road user of every run is from it.
+static REGISTRY: LazyLock<Registry> = LazyLock::new(standard);
 
 /// 30 km/h
 pub const SPEED: f64 = 30.0 / 3.6;
@@ -84,12 +88,12 @@ impl Zebra {
 
     pub fn run(&self) -> Course {
         let world = self.world();
-        let declared = standard().pedestrians().get(self.model).expect("a registered model").clone();
+        let declared = REGISTRY.pedestrians().get(self.model).expect("a registered model").clone();
         let settings = declared.declaration.resolve(&self.settings).expect("good settings");
         let setup = &world.pedestrians[0];
         let context =
             PedestrianContext { settings: &settings, setup, world: &world, rank: 0, seed: self.seed };
-        let ideal = standard().dynamics().get("ideal").expect("registered dynamics").clone();
+        let ideal = REGISTRY.dynamics().get("ideal").expect("registered dynamics").clone();
         let users = RoadUsers {
             vehicles: vec![Driven::new(
                 Box::new(self.car),
