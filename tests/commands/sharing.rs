@@ -14,6 +14,7 @@ use tempfile::TempDir;
 use crate::shards::settled;
 use crate::support::program::{code, scenario_runner, stderr, stdout};
 
+/// Its steps are so short that each run takes several milliseconds: of shorter ones, a worker that joins another finds out that it is no help.
 const SUITE: &str = r#"suite people {
   seed 5
   scenario walk {
@@ -21,7 +22,8 @@ const SUITE: &str = r#"suite people {
     vehicle av { controller carla_behavior; speed 30 km/h }
     pedestrian walker { model commotions; start 2 m from kerb; appears when time_to_arrival(av) = tta }
     vary tta in [3 s, 4 s, 5 s, 6 s, 7 s, 8 s]
-    repeat 15
+    repeat 2
+    step 0.00125 s
     expect { max_deceleration <= 9 m/s^2 }
   }
   scenario open {
@@ -131,7 +133,7 @@ fn workers_that_begin_at_once_and_one_that_is_late_share_the_runs_of_a_tune() {
     let folder = folder.path();
     planned(folder, &TUNE);
     let mut workers = vec![begun(folder, &[]), begun(folder, &["--partition", "slice:1/1"])];
-    await_journal(folder, &mut workers[1], 100_000);
+    await_journal(folder, &mut workers[1], 14_000);
     // None of it is of this share.
     workers.push(begun(folder, &["--partition", "slice:2/2"]));
     let pids: Vec<u32> = workers.iter().map(Child::id).collect();
@@ -164,9 +166,9 @@ fn the_part_of_a_worker_that_is_killed_is_made_by_who_has_joined_it() {
     fs::create_dir_all(folder.join("results/journal")).unwrap();
     fs::write(folder.join(format!("results/journal/{}.ghost.1.jsonl", unit())), "a poem\n").unwrap();
     let mut owner = begun(folder, &[]);
-    await_journal(folder, &mut owner, 50_000);
+    await_journal(folder, &mut owner, 7_000);
     let mut joined = begun(folder, &["--partition", "slice:2/2"]);
-    await_journal(folder, &mut joined, 50_000);
+    await_journal(folder, &mut joined, 7_000);
     owner.kill().unwrap();
     owner.wait().unwrap();
     let pid = joined.id();
@@ -183,7 +185,7 @@ fn who_is_to_make_its_own_share_only_does_no_more() {
     let folder = folder.path();
     planned(folder, &TUNE);
     let mut owner = begun(folder, &[]);
-    await_journal(folder, &mut owner, 20_000);
+    await_journal(folder, &mut owner, 3_000);
     for more in [&["--own-share-only"][..], &["--join-once", "not there"]] {
         let output = ended(begun(folder, &[&["--partition", "slice:2/2"], more].concat()));
         assert!(stdout(&output).contains("made 0 batches of 0 runs\n"), "{}", stdout(&output));
@@ -198,7 +200,6 @@ fn who_is_to_make_its_own_share_only_does_no_more() {
 fn shares_of_a_whole_suite_that_help_each_other_come_to_the_reports_of_one_machine() {
     let folder = folder();
     let folder = folder.path();
-    fs::write(folder.join("people.suite"), SUITE.replace("repeat 15", "repeat 10")).unwrap();
     planned(folder, &[]);
     let shares = ["slice:1/3", "slice:2/3", "slice:3/3"];
     let workers = shares.map(|share| begun(folder, &["--partition", share]));
