@@ -24,7 +24,7 @@ estimate hit {
 }
 ";
 
-/// [`WALK`] with the smallest budget that there may be, which shows only whether the estimate is closer to 1e-5 or to 1e-7.
+/// [`WALK`] with the smallest budget that the program accepts: enough to tell 1e-5 from 1e-7.
 fn quick() -> String {
     WALK.replace("2000 runs", "1000 runs")
 }

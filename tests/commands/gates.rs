@@ -111,7 +111,7 @@ fn two_parameter_files_are_compared_on_one_suite() {
     assert!(text.contains("typo.scn:1:5") && text.contains("did you mean `braking_distance`?"), "{text}");
 }
 
-/// Of one metric that every run has, which takes no time to judge.
+/// A gate of one metric that every run has: the program judges it in no time.
 const GATE: &str = "  gate braking {
     baseline \"b.json\"
     min_distance not worse by more than 5 % with 95 % confidence

@@ -97,15 +97,25 @@ fn planned(folder: &Path, more: &[&str]) {
     assert_eq!(code(&output), 0, "{}", stderr(&output));
 }
 
+/// Runs a worker that makes its own share only, and returns what it prints.
 fn executed(folder: &Path, share: &str, threads: &str) -> String {
+    executed_with(folder, share, threads, &["--own-share-only"])
+}
+
+/// Runs a worker that also looks for others to help, for half a second, and returns what it prints.
+fn executed_looking_for_others(folder: &Path, share: &str, threads: &str) -> String {
+    executed_with(folder, share, threads, &[])
+}
+
+fn executed_with(folder: &Path, share: &str, threads: &str, more: &[&str]) -> String {
     let arguments =
         ["exec", "manifest.jsonl", "--partition", share, "--results", "results", "--test-threads", threads];
-    let output = scenario_runner(folder, &arguments);
+    let output = scenario_runner(folder, &[&arguments, more].concat());
     assert_eq!(code(&output), 0, "{}", stderr(&output));
     stdout(&output)
 }
 
-/// The files of the batches that are made, in no order.
+/// Files of results, one for each batch that is made, in any order.
 fn result_files(folder: &Path) -> Vec<PathBuf> {
     let inside = |folder: &Path| fs::read_dir(folder).into_iter().flatten().map(|one| one.unwrap().path());
     let batches = inside(&folder.join("results")).filter(|one| one.file_name().unwrap().len() == 2);
@@ -121,7 +131,7 @@ fn the_reports_of_shares_are_those_of_one_machine_byte_for_byte() {
     let local = reported(folder, "local", &["crossing.suite"]);
     planned(folder, &[]);
     for (share, threads) in [("slice:3/3", "1"), ("slice:1/3", "2"), ("slice:2/3", "5")] {
-        executed(folder, share, threads);
+        executed_looking_for_others(folder, share, threads);
     }
     let merged = reported(folder, "merged", &MERGE);
     assert_eq!(merged.0, local.0);
@@ -416,7 +426,8 @@ fn workers_that_are_killed_lose_nothing() {
     fs::write(folder.join("crossing.suite"), many_runs()).unwrap();
     planned(folder, &[]);
     let mut killed = 0;
-    for batches in 0..4 {
+    // Just when a file of results appears, and in the middle of a batch (ms later).
+    for (batches, later) in [(0, 40), (1, 0), (2, 0), (3, 20)] {
         let mut worker = Command::new(env!("CARGO_BIN_EXE_scenario-runner"))
             .args(["exec", "manifest.jsonl", "--results", "results", "--test-threads", "2"])
             .current_dir(folder)
@@ -427,8 +438,7 @@ fn workers_that_are_killed_lose_nothing() {
         while result_files(folder).len() < batches && worker.try_wait().unwrap().is_none() {
             std::thread::sleep(Duration::from_millis(1));
         }
-        // In the middle of the next one.
-        std::thread::sleep(Duration::from_millis(20));
+        std::thread::sleep(Duration::from_millis(later));
         worker.kill().unwrap();
         killed += usize::from(worker.wait().unwrap().code().is_none());
     }

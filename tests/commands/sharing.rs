@@ -14,7 +14,7 @@ use tempfile::TempDir;
 use crate::shards::settled;
 use crate::support::program::{code, scenario_runner, stderr, stdout};
 
-/// Its steps are so short that each run takes several milliseconds: of shorter ones, a worker that joins another finds out that it is no help.
+/// Steps are so short that each run takes several milliseconds. Where runs are much shorter, a worker that joins another leaves again.
 const SUITE: &str = r#"suite people {
   seed 5
   scenario walk {

@@ -10,7 +10,7 @@ use runner::plan::plan;
 
 use crate::support::program::{code, scenario_runner, stderr, stdout};
 
-/// What is no terminal shows a sketch that large, in characters.
+/// Size of a sketch where standard output is no terminal, in characters.
 const COLUMNS: usize = 100;
 const ROWS: usize = 60;
 
@@ -39,7 +39,7 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// The program draws one scenario of every suite; the library, which it draws them by, draws all of them.
+/// The library draws every scenario; the program draws the first one of each suite and must show the same.
 #[test]
 fn every_scenario_that_ships_is_drawn() {
     let folder = tempfile::tempdir().unwrap();

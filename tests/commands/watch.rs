@@ -10,9 +10,10 @@ use std::time::{Duration, Instant};
 
 /// No line is waited for longer.
 const PATIENCE: Duration = Duration::from_secs(120);
-/// Nothing is to happen for as long as this many of the slowest reactions so far, and at least so long, where nothing should.
-const REACTIONS: u32 = 5;
-const SILENCE: Duration = Duration::from_millis(500);
+/// Time to wait where nothing should happen: longer than the second between two looks for changes, and longer than the slowest reaction
+/// so far by this factor.
+const SILENCE: Duration = Duration::from_millis(1300);
+const MARGIN: f64 = 1.5;
 
 /// One run, which comes to 1.7 m: it passes if the limit (m) is small.
 fn scenario(name: &str, limit: &str) -> String {
@@ -93,7 +94,7 @@ impl Watch {
     }
 
     fn is_silent(&mut self) {
-        if let Ok(line) = self.lines.recv_timeout(SILENCE.max(REACTIONS * self.slowest)) {
+        if let Ok(line) = self.lines.recv_timeout(SILENCE.max(self.slowest.mul_f64(MARGIN))) {
             panic!("said `{line}`");
         }
     }
