@@ -89,7 +89,8 @@ impl RunCounts {
 struct Looking<'u> {
     with: SharedWith<'u>,
     others: OtherJournals,
-    looked: Instant,
+    /// `None` before the first look, which is due at once: runs that others made before this worker came do not count against it.
+    looked: Option<Instant>,
     standing: (usize, usize),
     /// What counts for whether joining pays, and since when.
     before: RunCounts,
@@ -113,8 +114,8 @@ impl<'u> UnitRuns<'u> {
             None => Default::default(),
         };
         let looking = with.zip(others).map(|(with, others)| {
-            let (looked, before) = (Instant::now(), RunCounts::default());
-            Mutex::new(Looking { with, others, looked, standing: (1, 0), before, since: looked })
+            let (before, since) = (RunCounts::default(), Instant::now());
+            Mutex::new(Looking { with, others, looked: None, standing: (1, 0), before, since })
         });
         let all = Self {
             runs: Mutex::default(),
@@ -202,7 +203,7 @@ impl<'u> UnitRuns<'u> {
     }
 
     fn look(&self, looking: &mut Looking, run: Duration) {
-        looking.looked = Instant::now();
+        looking.looked = Some(Instant::now());
         if looking.with.results.as_ref().is_some_and(|path| Disk.is_file(path)) {
             return self.end(NotEnded::Elsewhere);
         }
@@ -270,7 +271,9 @@ impl RunResults for UnitRuns<'_> {
     fn sharing(&self, run: Duration, now: bool) -> Sharing {
         let Some(looking) = &self.looking else { return Sharing::ALONE };
         let mut looking = lock(looking);
-        if looking.looked.elapsed() >= if now { LOOK_NOW } else { LOOK } && !self.stop.is_requested() {
+        let pause = if now { LOOK_NOW } else { LOOK };
+        let is_due = looking.looked.is_none_or(|looked| looked.elapsed() >= pause);
+        if is_due && !self.stop.is_requested() {
             self.look(&mut looking, run);
         }
         let (workers, place) = looking.standing;

@@ -424,4 +424,10 @@ fn machines_that_disagree_on_a_run_are_an_error_and_a_foreign_run_is_not() {
     look();
     assert_eq!(all.ended(), Some(NotEnded::Elsewhere));
     assert!(all.stop().is_requested());
+    // The first look is due at once.
+    let with = SharedWith { results: Some(results), is_joined: false, is_idle: &|| true };
+    let resumed = UnitJournal::open(&folder, subject, "one");
+    let all = UnitRuns::new(Some(resumed), None, Some(with), Stop::default());
+    all.sharing(Duration::ZERO, false);
+    assert_eq!(all.ended(), Some(NotEnded::Elsewhere));
 }
