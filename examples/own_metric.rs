@@ -7,7 +7,7 @@ use std::error::Error;
 use scenario_runner::models::standard;
 use scenario_runner::registry::Registry;
 use scenario_runner::scenario::{
-    Absence, Declaration, Dimension, Metric, MetricKind, MetricRange, Scope, Worst,
+    Absence, Declaration, Dimension, Metric, MetricKind, MetricRange, Scope, Stake, Worst,
 };
 use scenario_runner::sim::Step;
 use scenario_runner::sim::measure::{Encounters, Meter, meters};
@@ -41,6 +41,7 @@ fn registry() -> Result<Registry, Box<dyn Error>> {
         worst: Worst::Largest,
         absence: Absence::Open,
         range: MetricRange::WithinRun,
+        stake: Stake::Motion,
         meters: meters(|context| {
             Box::new(Slow { vehicle: context.vehicle, below: context.settings.number("below"), time: 0.0 })
         }),

@@ -78,9 +78,20 @@ pub(super) fn sentences(result: &EstimateResult) -> Vec<String> {
             percent(result.relative_deviation)
         ));
     }
+    sentences.push(format!(
+        "something was at stake in {} of {} runs that count",
+        result.encounters,
+        counted_runs(result)
+    ));
     sentences.extend(result.per_1000_km.iter().flat_map(|along| per_distance(result, along)));
     sentences.extend(result.compared.iter().flat_map(|compared| comparison(result, compared)));
     sentences
+}
+
+/// The runs of the estimate's own scenario that do more than show where to look.
+fn counted_runs(result: &EstimateResult) -> usize {
+    let of_each = if result.compared.is_some() { 2 } else { 1 };
+    (result.runs - result.pilot_runs) / of_each
 }
 
 /// What it is compared with, how probable the event is there, and how the two differ.

@@ -5,7 +5,8 @@ use std::fmt::Write;
 use super::columns::columns;
 use super::format::in_written_unit;
 use results::judge::cut_off_runs;
-use results::{ConditionResult, Difference, EvaluateResult, ParameterValue};
+use super::wording::untested_words;
+use results::{ConditionResult, Difference, EvaluateResult, ParameterValue, UntestedMeasures};
 use scenario::{Aggregate, Notation, Target};
 
 const STRING: &str = "writing to a string cannot fail";
@@ -102,7 +103,11 @@ pub fn without_value(result: &EvaluateResult) -> Vec<String> {
         });
         said.collect::<Vec<_>>()
     };
-    result.conditions.iter().flat_map(|one| [of(one), cut_off(one)].concat()).collect()
+    let untested = result.untested().into_iter().map(|UntestedMeasures { condition, measures, reason }| {
+        format!("{} of {condition}: untested: {}", measures.join(", "), untested_words(&reason))
+    });
+    let notes = result.conditions.iter().flat_map(|one| [of(one), cut_off(one)].concat());
+    notes.chain(untested).collect()
 }
 
 fn measured(condition: &ConditionResult, parameters: usize, units: &[Unit]) -> Vec<String> {

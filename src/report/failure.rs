@@ -209,7 +209,9 @@ mod tests {
             people: None,
             worst: Vec::new(),
             closest: None,
-            vacuous: None,
+            overlapping: 0,
+            tested: None,
+            untested: None,
         }
     }
 

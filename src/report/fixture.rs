@@ -11,9 +11,9 @@ use std::time::{Duration, SystemTime};
 use blocks::{blocks, found, tuned};
 pub use blocks::{calibration, evaluation, search_result, statement};
 use results::{
-    BlockReport, BlockResult, BlockState, Critical, Cut, Outcome, Program, Reason, Recorded, RecordedReport,
+    BlockReport, BlockResult, BlockState, Critical, Cut, Outcome, PairPresence, Program, Reason, Recorded, RecordedReport,
     RecordedState, Requests, Rerun, Results, RunsTaken as Stopped, Skip, Stopping, SuiteIdentity,
-    SuiteReport, TrialReport, TrialState, TrialVerdict, Vacuity, Verdict, choose_runs,
+    SuiteReport, TrialReport, TrialState, TrialVerdict, Untested, UntestedPair, Verdict, choose_runs,
 };
 pub use trials::person;
 use trials::{course, trial, word};
@@ -26,7 +26,7 @@ use results::{
 };
 use runner::plan::PlannedTrial;
 use scenario::{Block, Case, Gate, MetricReference, Rating, Search, TextDigest, Tune};
-use sim::measure::Presence;
+use sim::measure::{Closeness, Presence};
 use sim::{Ending, Happening, StopReason, TimelineEvent};
 
 /// The trials, and what reports borrow from.
@@ -126,7 +126,12 @@ impl Session {
                 if let Some(passed) = judged.findings.iter_mut().find(|one| one.verdict == Verdict::Passed)
                     && index == 2
                 {
-                    passed.vacuous = Some(Vacuity::NobodyEntered);
+                    let pair = UntestedPair {
+                        vehicle: Some("av".into()),
+                        other: "walker".into(),
+                        closest: Closeness::Together,
+                    };
+                    passed.untested = Some(Untested::Pairs { pairs: vec![pair], instead: None });
                 }
                 let runs = outcomes.len();
                 let stopping = Stopped { least: 4, most: 20, runs, reason: Reason::Decided };
@@ -359,7 +364,14 @@ impl Session {
                 ending: Ending { reason: StopReason::Completed, time: 20.0 },
                 metrics: self.requests.iter().map(value).collect(),
                 critical: self.requests.iter().map(|_| Some(critical(run))).collect(),
-                presences: vec![("walker".into(), Presence { appeared: true, entered: true, met: true })],
+                presences: vec![PairPresence {
+                    vehicle: "av".into(),
+                    other: "walker".into(),
+                    of_vehicles: false,
+                    presence: Presence { closest: Closeness::Met, moved: true, passed: true },
+                }],
+                waiting_steps: Vec::new(),
+                left_road: Vec::new(),
                 cut_off: Default::default(),
                 fingerprint: 0x0123_4567_89ab_cdef,
                 wall_time: Duration::from_millis(3),

@@ -14,7 +14,7 @@ use super::rating::{
 };
 use super::wording::{
     closest_calls, interruption, judged_words, nearest_run, nothing_claimed, observed, stopping,
-    trial_warnings, untested, verdict_mark, verdict_word,
+    not_as_declared, trial_warnings, untested, verdict_mark, verdict_word,
 };
 use super::wording::{recorded_remark, several_claims};
 use super::{Repository, expect_every_trial};
@@ -79,10 +79,14 @@ pub fn annotations(results: &Results, repository: &Repository) -> String {
                     add("error", origin, title, error.message);
                 }
                 TrialState::Judged(judged) => {
-                    for finding in judged.findings.iter().filter(|one| one.vacuous.is_some()) {
+                    for finding in judged.findings.iter().filter(|one| one.untested.is_some()) {
                         let title = format!("{} untested", finding.criterion);
                         let said = untested(std::slice::from_ref(finding)).concat();
                         add("warning", finding.origin.clone(), title, format!("{key}: {said}"));
+                    }
+                    for said in not_as_declared(&judged) {
+                        let origin = origin.cloned().unwrap_or_else(|| beginning(report));
+                        add("warning", origin, "not as declared".to_string(), format!("{key}: {said}"));
                     }
                     for finding in judged.findings.into_iter().filter(|one| one.verdict != Verdict::Passed) {
                         let level = if finding.verdict == Verdict::Failed { "error" } else { "warning" };

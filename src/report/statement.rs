@@ -46,21 +46,25 @@ pub fn render_statements(results: &[&StatementResult]) -> String {
         write!(text, "  {name:<width$}  {:<14}", word(result)).expect(STRING);
         if let Some(surprise) = result.surprise() {
             write!(text, "  fails: {surprise}").expect(STRING);
+        } else if let Some(why) = result.failure() {
+            write!(text, "  {why}").expect(STRING);
         }
         text.truncate(text.trim_end().len());
         text.push('\n');
     }
     let count = |words: &str| results.iter().filter(|result| word(result) == words).count();
-    let counts =
-        ["reproduced", "not reproduced", "not comparable"].map(|words| format!("{} {words}", count(words)));
+    let counts = ["reproduced", "not reproduced", "not comparable", "untested"];
+    let shown = counts.into_iter().filter(|words| *words != "untested" || count(words) > 0);
+    let counts: Vec<_> = shown.map(|words| format!("{} {words}", count(words))).collect();
     writeln!(text, "  {} of {} statements", counts.join(", "), results.len()).expect(STRING);
     text
 }
 
-/// `reproduced`, `not reproduced` or `not comparable`.
+/// `reproduced`, `untested`, `not reproduced` or `not comparable`.
 pub fn conclusion_words(conclusion: &Conclusion) -> &'static str {
     match conclusion {
         Conclusion::Reproduced => "reproduced",
+        Conclusion::Untested => "untested",
         Conclusion::NotReproduced => "not reproduced",
         Conclusion::NotComparable(_) => "not comparable",
     }
@@ -114,6 +118,7 @@ mod tests {
             text: text.into(),
             holds: Some(true),
             undefined: None,
+            untested: None,
             values: ClaimValues::Compared {
                 left: Some(left),
                 relation: Relation::LessOrEqual,

@@ -6,11 +6,12 @@ use super::chart::Rule;
 use super::format::{count, in_notation, quantity, share};
 use results::judge::{PerRun, judge};
 use results::{
-    BlockReport, BlockState, Finding, FindingMeasure, Horizon, NearestRun, OnCourse, Outcome, Reason,
+    BlockReport, BlockState, Finding, FindingMeasure, Horizon, LeftRoad, NearestRun, OnCourse, Outcome, Reason,
     RecordedReport, RecordedState, Regarding, Requests, RunsTaken, ScenarioSummary, Skip, Standing,
-    SuiteReport, TrialReport, TrialState, UnitReport, Vacuity, Verdict, WorstRun,
+    SuiteReport, TrialReport, TrialState, TrialVerdict, UnitReport, Untested, UntestedPair, Verdict, WaitingStep, WorstRun,
 };
-use scenario::{Comparison, Keep, MetricKind, Notation, People, Relation, Search, significant};
+use scenario::{Comparison, Keep, MetricKind, Notation, People, Relation, Search, Stake, significant};
+use sim::measure::Closeness;
 
 /// What was found: `holds in 18 of 20 runs`, `85 %`, `1.62 s`; `–` if no run has a value.
 pub fn observed(finding: &Finding) -> String {
@@ -143,8 +144,17 @@ pub fn in_words(finding: &Finding) -> String {
 pub fn missing(finding: &Finding) -> Option<String> {
     let parts = [(finding.undefined, "undefined"), (finding.cut_off, "cut off")];
     let parts = parts.iter().filter(|(runs, _)| *runs > 0);
-    let said: Vec<_> = parts.map(|(runs, what)| format!("{what} in {}", count(*runs, "run"))).collect();
+    let parts = parts.map(|(runs, what)| format!("{what} in {}", count(*runs, "run")));
+    let said: Vec<_> = parts.chain(tested_runs(finding)).collect();
     (!said.is_empty()).then(|| said.join(", "))
+}
+
+/// `met in 24 of 200 runs`, of a number that sums up runs of which only some put anything to the test.
+fn tested_runs(finding: &Finding) -> Option<String> {
+    let tested = finding.tested.filter(|_| finding.measure != FindingMeasure::EveryRun)?;
+    let stake = finding.metric.known().map(|metric| metric.stake);
+    let is_met = matches!(stake, Some(Stake::Meeting | Stake::MeetingInTime | Stake::Vehicles));
+    Some(format!("{} in {tested} of {} runs", if is_met { "met" } else { "tested" }, finding.runs))
 }
 
 /// The run that speaks most against the criterion, or else comes nearest to that:
@@ -351,33 +361,82 @@ pub fn judged_words(trial: &TrialReport) -> Option<(&'static str, &'static str)>
 }
 
 /// The criteria of a trial that passed without being put to the test, or whose confidence rests on equal runs, to be warned of:
-/// `\`pet >= 1.5 s\` passed untested: nobody came into a vehicle's lane in any of 20 runs`.
+/// `\`pet >= 1.5 s\` passed untested: \`walker\` did not come into the way of \`av\` in any of 20 runs`.
 pub fn untested(findings: &[Finding]) -> Vec<String> {
-    let reasons = [
-        (Vacuity::NobodyAppeared, "no pedestrian appeared"),
-        (Vacuity::NobodyEntered, "no pedestrian came into a vehicle's lane"),
-        (Vacuity::NobodyMet, "no pedestrian was in a vehicle's lane within 5 s of it"),
-        (Vacuity::CutOff, ""),
-    ];
-    let said = reasons.iter().filter_map(|(reason, what)| {
-        let vacuous: Vec<_> = findings.iter().filter(|one| one.vacuous == Some(*reason)).collect();
-        let mut criteria: Vec<_> = vacuous.iter().map(|one| format!("`{}`", one.criterion)).collect();
+    let mut reasons: Vec<&Untested> = Vec::new();
+    for reason in findings.iter().filter_map(|finding| finding.untested.as_ref()) {
+        if !reasons.iter().any(|known| is_said_together(known, reason)) {
+            reasons.push(reason);
+        }
+    }
+    let said = reasons.into_iter().filter_map(|reason| {
+        let is_it = |one: &&Finding| one.untested.as_ref().is_some_and(|why| is_said_together(why, reason));
+        let all: Vec<_> = findings.iter().filter(is_it).collect();
+        let mut criteria: Vec<_> = all.iter().map(|one| format!("`{}`", one.criterion)).collect();
         // What a scenario and a claim about it both state is still one criterion.
         let mut named = HashSet::new();
         criteria.retain(|criterion| named.insert(criterion.clone()));
-        if *reason == Vacuity::CutOff {
-            let most = vacuous.iter().max_by_key(|one| one.unseen)?;
-            let same = vacuous.iter().all(|one| one.unseen == most.unseen);
-            let (up_to, criteria) = (if same { "" } else { "up to " }, criteria.join(", "));
+        let criteria = criteria.join(", ");
+        if *reason == Untested::CutOff {
+            let most = all.iter().max_by_key(|one| one.unseen)?;
+            let same = all.iter().all(|one| one.unseen == most.unseen);
+            let up_to = if same { "" } else { "up to " };
             return Some(format!("{criteria} passed, but {up_to}{}", unseen(most)));
         }
-        let runs = match vacuous.first()?.runs {
+        let runs = match all.first()?.runs {
             1 => "the run".to_string(),
             runs => format!("any of {runs} runs"),
         };
-        Some(format!("{} passed untested: {what} in {runs}", criteria.join(", ")))
+        Some(format!("{criteria} passed untested: {} in {runs}{}", untested_words(reason), way_out(reason)))
     });
     said.chain(alike(findings)).collect()
+}
+
+/// Whether two reasons are the same but for the criterion that to write instead.
+fn is_said_together(one: &Untested, other: &Untested) -> bool {
+    match (one, other) {
+        (Untested::Pairs { pairs, .. }, Untested::Pairs { pairs: others, .. }) => pairs == others,
+        _ => one == other,
+    }
+}
+
+/// `\`b\` never came into the way of \`av\``: how far the pairs came, several joined.
+pub fn untested_words(reason: &Untested) -> String {
+    match reason {
+        Untested::Pairs { pairs, .. } => pairs.iter().map(pair_words).collect::<Vec<_>>().join("; "),
+        Untested::NoMotion { vehicle: Some(vehicle) } => {
+            format!("`{vehicle}` did not move while a pedestrian was ahead of it or beside it")
+        }
+        Untested::NoMotion { vehicle: None } => {
+            "no vehicle moved while a pedestrian was ahead of it or beside it".to_string()
+        }
+        Untested::NoValue => "nothing that it is about was at stake".to_string(),
+        Untested::CutOff => "what would have come was not seen".to_string(),
+    }
+}
+
+fn pair_words(pair: &UntestedPair) -> String {
+    let UntestedPair { vehicle, other, closest } = pair;
+    let of = vehicle.as_ref().map_or("any vehicle".to_string(), |vehicle| format!("`{vehicle}`"));
+    match closest {
+        Closeness::Absent => format!("`{other}` did not appear"),
+        Closeness::Apart => {
+            format!("`{other}` was not there while {of} had yet to pass, or {of} did not move until then")
+        }
+        Closeness::Together | Closeness::Abreast => format!("`{other}` did not come into the way of {of}"),
+        Closeness::InTheWay => format!("`{other}` was in the way of {of}, but not within 5 s of it"),
+        Closeness::Met | Closeness::Touched => format!("`{other}` met {of}"),
+    }
+}
+
+/// How to write the criterion about a pair that was put to the test.
+fn way_out(reason: &Untested) -> String {
+    match reason {
+        Untested::Pairs { instead: Some(instead), .. } => {
+            format!(": name the pairs that you mean, as in `{instead}`")
+        }
+        _ => String::new(),
+    }
 }
 
 /// `3 of 40 runs ended before what that is about was over`.
@@ -398,10 +457,37 @@ fn alike(findings: &[Finding]) -> Option<String> {
     ))
 }
 
+/// Steps of scripts that never began, vehicles that left the road, and times between centres where bodies overlap: `step 1 of \`av\`, \`when distance < d1 stop\`, began in no run: what
+/// it brings about is untested`.
+pub fn not_as_declared(judged: &TrialVerdict) -> Vec<String> {
+    let steps = judged.never_began.iter().map(|WaitingStep { of, step }| {
+        format!(
+            "step {} of `{of}`, `{}`, began in no run: what it brings about is untested",
+            step.number, step.text
+        )
+    });
+    let roads = judged.left_road.iter().map(|LeftRoad { vehicle, runs, of }| {
+        format!(
+            "`{vehicle}` left its carriageway in {runs} of {}, and no criterion is about `kerb_contact`",
+            count(*of, "run")
+        )
+    });
+    let overlapping = judged.findings.iter().filter(|finding| finding.overlapping > 0).map(|finding| {
+        format!(
+            "`{}` passed, but the bodies were in the shared area at the same time in {} of {}: `pet_area` is 0 s there",
+            finding.criterion,
+            finding.overlapping,
+            count(finding.runs, "run")
+        )
+    });
+    steps.chain(roads).chain(overlapping).collect()
+}
+
 /// What is to be warned of in a trial: criteria that passed untested, runs that the horizon ended too early.
 pub fn warnings(state: &TrialState) -> Vec<String> {
     let TrialState::Judged(judged) = state else { return Vec::new() };
     let mut warnings = untested(&judged.findings);
+    warnings.extend(not_as_declared(judged));
     if let Some(horizon) = &judged.horizon {
         warnings.extend(horizon_in_words(horizon));
     }

@@ -101,6 +101,7 @@ impl BlockResult {
     pub fn verdict(&self) -> Verdict {
         match self {
             Self::Estimate(estimate) => estimate.verdict(),
+            Self::Statement(statement) => statement.verdict(),
             _ if self.failure().is_some() => Verdict::Failed,
             _ => Verdict::Passed,
         }
@@ -115,7 +116,12 @@ impl BlockResult {
             }
             Self::Tune(_) => None,
             Self::Estimate(estimate) => estimate.failure(),
-            Self::Statement(statement) => statement.surprise(),
+            Self::Statement(statement) => statement.failure(),
         }
+    }
+
+    /// Whether it gives numbers of runs in which nothing was at stake, and judges none of them.
+    pub fn is_untested(&self) -> bool {
+        matches!(self, Self::Evaluate(evaluate) if !evaluate.untested().is_empty())
     }
 }

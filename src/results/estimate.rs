@@ -56,6 +56,9 @@ pub struct EstimateResult {
     /// as not having it.
     #[serde(default)]
     pub cut_off: usize,
+    /// In how many of the runs that count something was at stake that the event is about.
+    #[serde(default)]
+    pub encounters: usize,
     /// So many hits of equal weight would say as much.
     pub effective_size: f64,
     /// The largest weight in the sum of all.
@@ -105,6 +108,9 @@ pub struct ComparedEstimate {
     pub undecided: usize,
     /// How many others ended before the end of what the event is about was seen.
     pub cut_off: usize,
+    /// In how many of its runs something was at stake that the event is about.
+    #[serde(default)]
+    pub encounters: usize,
     /// Why the probability there must not be believed.
     pub refusals: Vec<String>,
     /// Encounters with the event in the estimate's own scenario alone.

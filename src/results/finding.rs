@@ -1,5 +1,7 @@
 //! What was found of one criterion of a trial.
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
 use super::critical::Critical;
@@ -7,6 +9,7 @@ use super::written_counts::is_zero;
 use crate::Verdict;
 use numbers::json;
 use scenario::{Metric, Origin, People, Reference};
+use sim::measure::Closeness;
 
 /// One criterion's verdict and what it rests on.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -62,9 +65,15 @@ pub struct Finding {
     /// Where no run speaks against it, the one nearest to that.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub closest: Option<WorstRun>,
+    /// Of a criterion on the time between two centres that passed: runs in which their bodies used the shared area at the same time.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub overlapping: usize,
+    /// The number of runs in which it was put to the test, where that is some of them and not all; of several pairs the smallest.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tested: Option<usize>,
     /// Why it was never put to the test, if it passed without.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub vacuous: Option<Vacuity>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub untested: Option<Untested>,
 }
 
 /// What a finding's `observed` and `bound` are.
@@ -113,15 +122,35 @@ pub struct WorstRun {
 }
 
 /// Why a criterion that passed was never put to the test.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Vacuity {
-    /// In no run did a pedestrian whom it is about appear.
-    NobodyAppeared,
-    /// In no run did one of them come into a vehicle's lane.
-    NobodyEntered,
-    /// In no run was one of them in a vehicle's lane within a few seconds of that vehicle.
-    NobodyMet,
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(tag = "reason", rename_all = "snake_case")]
+pub enum Untested {
+    /// In no run did the members of these pairs come as close to each other as it takes.
+    Pairs {
+        /// In the order of the scenario.
+        pairs: Vec<UntestedPair>,
+        /// The criterion about a pair that was put to the test.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        instead: Option<String>,
+    },
+    /// In no run did the vehicle move while it was together with a pedestrian.
+    NoMotion {
+        /// `None`: any vehicle.
+        vehicle: Option<Arc<str>>,
+    },
+    /// In no run did the metric exist: nothing that it is about was at stake.
+    NoValue,
     /// Some run ended with somebody on a collision course or an encounter not over: what would have come was not seen.
     CutOff,
+}
+
+/// A pair that was not put to the test.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct UntestedPair {
+    /// The vehicle; `None`: any vehicle.
+    pub vehicle: Option<Arc<str>>,
+    /// The pedestrian or the other vehicle.
+    pub other: Arc<str>,
+    /// The closest that they came in any run.
+    pub closest: Closeness,
 }

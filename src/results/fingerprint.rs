@@ -163,6 +163,7 @@ impl Mixture {
             undecided,
             // Nothing that is estimated depends on it.
             cut_off: _,
+            encounters: _,
             effective_size,
             largest_share: _,
             contradiction: _,
@@ -196,6 +197,7 @@ impl Mixture {
             hits,
             undecided,
             cut_off: _,
+            encounters: _,
             only_here,
             only_there,
             effective_size,
@@ -360,7 +362,8 @@ impl Mixture {
             standing: _,
         } = statement;
         self.count(claims.len());
-        for ClaimResult { text: _, holds, undefined: _, values, unit: _ } in claims {
+        // Whether something was at stake is out of the runs.
+        for ClaimResult { text: _, holds, undefined: _, untested: _, values, unit: _ } in claims {
             self.bits(holds.map_or(2, u64::from));
             match values {
                 ClaimValues::Compared { left, relation: _, right } => self.numbers(&[*left, *right]),

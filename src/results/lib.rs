@@ -69,14 +69,14 @@ pub use estimate::{
     ComparedEstimate, EstimateResult, EstimatedClaim, EstimatedCluster, EstimatedRun, EventsPerDistance,
     RatioInterval,
 };
-pub use evaluate::{ConditionResult, Difference, EvaluateResult, ParameterValue};
+pub use evaluate::{ConditionResult, Difference, EvaluateResult, ParameterValue, UntestedMeasures};
 pub use event::{Evaluations, Event, Reporter, Unheard, UnitReport, Workload};
-pub use finding::{Finding, FindingMeasure, Regarding, Vacuity, WorstRun};
+pub use finding::{Finding, FindingMeasure, Regarding, Untested, UntestedPair, WorstRun};
 pub use gate::{
     BlindPlace, Change, ChangedRun, Check, CheckOutcome, ComparedSubject, GateReport, GateState, GateVerdict,
     Looks, NotJudged, Power, Refusal, TrialChange,
 };
-pub use outcome::{CutOff, OnCourse, Outcome, Unfinished};
+pub use outcome::{CutOff, OnCourse, Outcome, PairPresence, Unfinished, WaitingStep};
 pub use overall::Overall;
 pub use parting::{
     AgainstBaseline, Doing, InBoth, MetricThen, OneOfTwo, PARTED_LENGTH, PARTED_SPEED, PartedIn, Parting,
@@ -103,7 +103,7 @@ pub use suite::{
 pub use summary::{
     AppliedCriteria, MOST_SHOWN, NearestRun, PassedTrial, ScenarioSummary, StandingCount, SuiteSummary,
 };
-pub use trial::{CourseOfRun, Horizon, Reason, RunsTaken, Stranded, TrialReport, TrialState, TrialVerdict};
+pub use trial::{CourseOfRun, Horizon, LeftRoad, Reason, RunsTaken, Stranded, TrialReport, TrialState, TrialVerdict};
 pub use tune::{BeforeAndAfter, Candidate, TuneResult, Violations};
 pub use unit_error::{RunFault, UnitError};
 pub use verdict::Verdict;

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::critical::{ByMetric, Critical};
 use super::requests::Requests;
 use numbers::json;
+use scenario::agent::ScriptStep;
 use scenario::{Criterion, Draw, Individual};
 use sim::Ending;
 use sim::measure::{Open, Presence};
@@ -33,9 +34,15 @@ pub struct Outcome {
     /// still ask for.
     #[serde(default, skip_serializing_if = "ByMetric::is_empty", with = "super::written_criticals")]
     pub critical: ByMetric<Critical>,
-    /// What each pedestrian did at all.
+    /// What every vehicle and pedestrian had to do with each other, and the vehicles that a criterion names together.
     #[serde(default)]
-    pub presences: Vec<(Arc<str>, Presence)>,
+    pub presences: Vec<PairPresence>,
+    /// Steps of scripts that never began.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub waiting_steps: Vec<WaitingStep>,
+    /// Vehicles whose body left their carriageway.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub left_road: Vec<Arc<str>>,
     /// What the horizon, or a contact that ends runs, cut off, if that is anything.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cut_off: Option<Box<CutOff>>,
@@ -58,6 +65,15 @@ impl Outcome {
         self.cut_off.as_ref().is_some_and(|cut| !cut.unfinished.is_empty() || !cut.on_course.is_empty())
     }
 
+    /// What a vehicle and another road user had to do with each other; `None` if nothing is known of them.
+    pub fn presence(&self, vehicle: &str, other: &str) -> Option<Presence> {
+        let is_it = |pair: &&PairPresence| {
+            (&*pair.vehicle, &*pair.other) == (vehicle, other)
+                || pair.of_vehicles && (&*pair.vehicle, &*pair.other) == (other, vehicle)
+        };
+        self.presences.iter().find(is_it).map(|pair| pair.presence)
+    }
+
     /// Forgets the critical instants of all metrics but those that criteria are about: there is one for each metric of each
     /// of maybe a million runs, and nobody asks for the others.
     pub fn forget_unasked(&mut self, criteria: &[Criterion], requests: &Requests) {
@@ -66,6 +82,29 @@ impl Outcome {
         };
         self.critical.retain(asked);
     }
+}
+
+/// A vehicle and another road user, and what they had to do with each other.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct PairPresence {
+    /// The vehicle's name.
+    pub vehicle: Arc<str>,
+    /// The name of the pedestrian, or of another vehicle that a criterion names together with this one.
+    pub other: Arc<str>,
+    /// Whether the other is a vehicle.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub of_vehicles: bool,
+    /// How close they came.
+    pub presence: Presence,
+}
+
+/// A step of a script that never began in a run.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct WaitingStep {
+    /// The vehicle or pedestrian that follows the script.
+    pub of: Arc<str>,
+    /// The step.
+    pub step: ScriptStep,
 }
 
 /// What was going on when the horizon or a contact ended a run.

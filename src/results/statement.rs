@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::finding::Untested;
+use super::verdict::Verdict;
 use scenario::{DeclaredStanding, Relation, TrendDirection};
 
 /// What a statement came to.
@@ -29,6 +31,8 @@ pub struct StatementResult {
 pub enum Conclusion {
     /// Every claim holds.
     Reproduced,
+    /// Every claim holds, and nothing was at stake in the runs that one of them is about.
+    Untested,
     /// At least one does not.
     NotReproduced,
     /// None is known not to hold, but not all can be looked at: the reason.
@@ -44,6 +48,9 @@ pub struct ClaimResult {
     pub holds: Option<bool>,
     /// Why it cannot be said.
     pub undefined: Option<String>,
+    /// Why it holds of nothing: in no run that it measures was anything at stake.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub untested: Option<Untested>,
     /// The numbers that decide it.
     pub values: ClaimValues,
     /// SI unit of the values; `%` says that they are shares in 0..1.
@@ -93,7 +100,8 @@ impl StatementResult {
         match (&self.standing, &self.conclusion) {
             (DeclaredStanding::Reproduced, Conclusion::Reproduced)
             | (DeclaredStanding::Differs(_), Conclusion::NotReproduced)
-            | (DeclaredStanding::NotComparable(_), _) => None,
+            | (DeclaredStanding::NotComparable(_), _)
+            | (_, Conclusion::Untested) => None,
             (DeclaredStanding::Reproduced, Conclusion::NotReproduced) => {
                 Some("is not reproduced".to_string())
             }
@@ -107,5 +115,22 @@ impl StatementResult {
                 Some(format!("is not comparable, though declared to differ: {reason}"))
             }
         }
+    }
+    /// Whether it stands as declared; inconclusive where its claims hold of runs in which nothing was at stake.
+    pub fn verdict(&self) -> Verdict {
+        match (self.surprise(), &self.conclusion) {
+            (Some(_), _) => Verdict::Failed,
+            (None, Conclusion::Untested) => Verdict::Inconclusive,
+            (None, _) => Verdict::Passed,
+        }
+    }
+
+    /// Why it has not passed; `None` if it has.
+    pub fn failure(&self) -> Option<String> {
+        self.surprise().or_else(|| {
+            let claim = self.claims.iter().find(|claim| claim.untested.is_some())?;
+            let untested = self.conclusion == Conclusion::Untested;
+            untested.then(|| format!("`{}` is untested: nothing was at stake in the runs that it measures", claim.text))
+        })
     }
 }

@@ -271,6 +271,12 @@ impl SuiteReport {
         }
     }
 
+    /// In how many trials something passed, and in how many evaluations something was measured, that was not put to the test.
+    pub fn untested(&self) -> usize {
+        let blocks = self.blocks.iter().filter_map(BlockReport::result);
+        self.summary().untested() + blocks.filter(|result| result.is_untested()).count()
+    }
+
     /// How many claims with a confidence were judged: of trials and of estimates.
     pub fn claims_with_confidence(&self) -> usize {
         let of_trials: usize = self.summary().scenarios.iter().map(|scenario| scenario.claims).sum();

@@ -35,6 +35,9 @@ pub struct ScenarioSummary {
     pub cut_off: usize,
     /// Trials with criteria that passed without being put to the test.
     pub untested: usize,
+    /// Trials in which a vehicle left its carriageway, and no criterion is about that.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub left_road: usize,
     /// Criteria with a confidence that were judged, in all trials.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub claims: usize,
@@ -150,7 +153,8 @@ impl ScenarioSummary {
         if let TrialState::Judged(judged) = &trial.state {
             self.cut_off += judged.horizon.as_ref().map_or(0, |horizon| horizon.runs);
             self.claims += judged.findings.iter().filter(|finding| finding.confidence.is_some()).count();
-            self.untested += usize::from(judged.findings.iter().any(|finding| finding.vacuous.is_some()));
+            self.untested += usize::from(judged.is_untested());
+            self.left_road += usize::from(!judged.left_road.is_empty());
             for (index, finding) in judged.findings.iter().enumerate() {
                 self.nearest((place, index), finding);
             }

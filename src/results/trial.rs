@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::cut::Cut;
 use super::finding::Finding;
-use super::outcome::{OnCourse, Outcome};
+use super::outcome::{OnCourse, Outcome, WaitingStep};
 use super::skip::Skip;
 use super::standing::Standing;
 use super::unit_error::UnitError;
@@ -27,6 +27,23 @@ pub struct TrialVerdict {
     /// What the horizon cut off, if it ended any of the runs.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub horizon: Option<Horizon>,
+    /// Steps of scripts that began in no run: what they were to bring about was not put to the test.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub never_began: Vec<WaitingStep>,
+    /// Vehicles whose bodies left their carriageways, where no criterion is about that.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub left_road: Vec<LeftRoad>,
+}
+
+/// A vehicle whose body left its carriageway.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LeftRoad {
+    /// The vehicle's name.
+    pub vehicle: Arc<str>,
+    /// In so many runs.
+    pub runs: usize,
+    /// Of so many in all.
+    pub of: usize,
 }
 
 /// The runs of a trial that the horizon ended.
@@ -113,6 +130,13 @@ pub enum TrialState {
     NotFinished(Cut),
     /// Nobody tried to run it.
     Skipped(Skip),
+}
+
+impl TrialVerdict {
+    /// Whether something passed that was not put to the test.
+    pub fn is_untested(&self) -> bool {
+        !self.never_began.is_empty() || self.findings.iter().any(|finding| finding.untested.is_some())
+    }
 }
 
 impl TrialReport {

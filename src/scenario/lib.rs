@@ -109,7 +109,7 @@ pub use gate::{Gate, GateRate, GateRule, Tolerance};
 pub use ground::{DeclaredGround, GRAVITY, Ground};
 pub use individuals::{Individuals, PopulationShare};
 pub use known_distribution::{DrawnValue, KnownDistribution, at_share};
-pub use metric::{Absence, Meters, Metric, MetricKind, MetricRange, Scope, Worst};
+pub use metric::{Absence, Meters, Metric, MetricKind, MetricRange, Scope, Stake, Worst};
 pub use notation::{Notation, Written, out_of_range, show, show_apart, show_both, show_outside};
 pub use observations::{ObservationError, Observations, ObservedRow};
 pub use optimisation::{

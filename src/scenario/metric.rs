@@ -22,6 +22,8 @@ pub struct Metric {
     pub absence: Absence,
     /// Between what limits its values lie.
     pub range: MetricRange,
+    /// What has to happen in a run before its values say anything of a vehicle.
+    pub stake: Stake,
     /// How it is measured.
     pub meters: Meters,
 }
@@ -95,6 +97,32 @@ pub enum Absence {
     Bad,
     /// Neither for sure, or it exists in every run.
     Open,
+}
+
+/// What has to happen in a run before a value of a metric puts anything to the test: between a vehicle and a pedestrian, unless said
+/// otherwise.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Stake {
+    /// They met.
+    Meeting,
+    /// They met; where a claim demands a bound of 5 s or more, the pedestrian was in the vehicle's way.
+    MeetingInTime,
+    /// They met, or the vehicle passed the pedestrian.
+    MeetingOrPassing,
+    /// The pedestrian was in the vehicle's way.
+    Entry,
+    /// Both were there together, and the metric says which of them goes first: what holds of it says that the pedestrian may stay away.
+    Order,
+    /// Both were there together.
+    Company,
+    /// The vehicle moved while it was together with a pedestrian, or its scenario has none.
+    Motion,
+    /// The metric exists: it says by itself whether anything was at stake.
+    Value,
+    /// Two vehicles that are named together had to do with each other.
+    Vehicles,
+    /// The pedestrian appeared.
+    Appearance,
 }
 
 /// How a metric is limited: by what can happen, not by what is likely.

@@ -14,14 +14,14 @@ use super::legs::Legs;
 use super::observer::{Ending, Minds, Observer, Step, StopReason};
 use super::order::SteeredOrder;
 use super::perceived::Views;
-use super::road_users::RoadUsers;
+use super::road_users::{Driver, RoadUsers};
 use super::sighting::Sighting;
 use super::solid::Solid;
 use super::start::{placed, waiting_outside};
 use super::wait_for_green::WaitForGreen;
 use super::way::{Way, walked};
 use scenario::agent::{
-    Command, ControllerError, Mode, Motion, Observation, Pedestrian, PedestrianState, Scene, Snapshot,
+    Command, ControllerError, Mode, Motion, Observation, Pedestrian, PedestrianState, Scene, ScriptStep, Snapshot,
     VehicleState,
 };
 use scenario::{Appearance, Path, PedestrianSetup, VehicleReference, VehicleSetup, World};
@@ -234,6 +234,17 @@ impl Course {
     pub fn noting_commands(mut self) -> Self {
         (0..self.controls.len()).for_each(|vehicle| self.otherwise(vehicle).given = Some(Vec::new()));
         self
+    }
+
+    /// The steps of scripts that have not begun, with whose they are.
+    pub fn waiting_steps(&self) -> Vec<(Solid, ScriptStep)> {
+        let drivers = self.users.vehicles.iter().enumerate().map(|(index, driven)| match &driven.driver {
+            Driver::Inside(controller) => (Solid::Vehicle(index), controller.waiting_steps()),
+            Driver::Outside { .. } => (Solid::Vehicle(index), Vec::new()),
+        });
+        let people = self.users.pedestrians.iter().enumerate();
+        let people = people.map(|(index, one)| (Solid::Pedestrian(index), one.waiting_steps()));
+        drivers.chain(people).flat_map(|(of, steps)| steps.into_iter().map(move |step| (of, step))).collect()
     }
 
     /// What each vehicle was told, where that was [noted](Self::noting_commands).

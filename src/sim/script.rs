@@ -4,9 +4,10 @@
 //! with units, so that they are checked where they are written, vary, and can be tuned. A step waits until its trigger
 //! holds; only then does the next one count. Source: actions and conditions after ASAM OpenSCENARIO storyboards.
 
-use scenario::agent::ModelError;
+use scenario::agent::{ModelError, ScriptStep};
 use scenario::{Dimension, Parameter, Settings, TextCheck, TextError};
 use std::iter;
+use std::sync::Arc;
 
 /// What a step makes its road user do until the next one.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -28,6 +29,8 @@ pub type ScriptQuantity = (&'static str, Dimension);
 #[derive(Debug, Clone)]
 pub struct Script {
     steps: Vec<(Trigger, Action)>,
+    /// As they are written.
+    texts: Vec<Arc<str>>,
     next: usize,
     /// When the last step's trigger held, s.
     last: f64,
@@ -90,8 +93,9 @@ impl Script {
         let number = |name: &str| settings.optional_number(name);
         let reader = Reader { number: &number, owner, quantities };
         let (steps, mut errors) = reader.steps(settings.word("steps"));
+        let texts = written_steps(settings.word("steps")).map(Arc::from).collect();
         match errors.is_empty() {
-            true => Ok(Self { steps, next: 0, last: 0.0 }),
+            true => Ok(Self { steps, texts, next: 0, last: 0.0 }),
             false => {
                 let TextError { message, hint, .. } = errors.swap_remove(0);
                 Err(match hint {
@@ -135,6 +139,12 @@ impl Script {
         begun
     }
 
+    /// The steps that have not begun.
+    pub fn waiting_steps(&self) -> Vec<ScriptStep> {
+        let steps = self.texts.iter().enumerate().skip(self.next);
+        steps.map(|(index, text)| ScriptStep { number: index + 1, text: text.clone() }).collect()
+    }
+
     fn holds(&self, trigger: Trigger, time: f64, quantity: impl Fn(usize) -> f64) -> bool {
         /// Absorbs the rounding of summed times, s.
         const TOLERANCE: f64 = 1e-9;
@@ -145,6 +155,10 @@ impl Script {
             Trigger::When { quantity: index, below: false, bound } => quantity(index) > bound,
         }
     }
+}
+
+fn written_steps(text: &str) -> impl Iterator<Item = &str> {
+    text.split(';').map(str::trim).filter(|step| !step.is_empty())
 }
 
 /// Reads one step after the other.
@@ -160,7 +174,7 @@ impl Reader<'_> {
     fn steps(&self, text: &str) -> (Vec<(Trigger, Action)>, Vec<TextError>) {
         let mut steps = Vec::new();
         let mut errors = Vec::new();
-        for step in text.split(';').map(str::trim).filter(|step| !step.is_empty()) {
+        for step in written_steps(text) {
             match self.step(step) {
                 Ok(step) => steps.push(step),
                 Err(error) => errors.push(error),

@@ -36,6 +36,7 @@ mod summary;
 #[path = "../support/mod.rs"]
 mod support;
 mod units;
+mod untested;
 mod verdicts;
 mod watch;
 mod why;

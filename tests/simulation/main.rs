@@ -22,6 +22,7 @@ mod junctions;
 mod keeping_clear;
 mod left_hand;
 mod meetings;
+mod nothing_at_stake;
 mod numerics;
 mod otherwise;
 mod perceived;

@@ -286,14 +286,14 @@ pub fn judged(results: &Results, deny: &[Deny]) -> Exit {
 
 /// Takes what passed untested for what could not be decided.
 fn deny_untested(exit: Exit, reports: &[SuiteReport]) -> Exit {
-    let trials = match reports.iter().map(|report| report.summary().untested()).sum() {
+    let units = match reports.iter().map(SuiteReport::untested).sum() {
         0 => return exit,
-        1 => "1 trial".to_string(),
-        number => format!("{number} trials"),
+        1 => "1 unit".to_string(),
+        number => format!("{number} units"),
     };
     writeln!(
         stderr(),
-        "error: in {trials} criteria passed untested, which `--deny untested` does not count as passed"
+        "error: in {units} criteria passed untested, which `--deny untested` does not count as passed"
     );
     if exit == Exit::Success { Exit::Inconclusive } else { exit }
 }

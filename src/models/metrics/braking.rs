@@ -1,6 +1,6 @@
 //! How hard the vehicle brakes: largest deceleration over a sliding window, and sudden changes of speed.
 
-use scenario::{Absence, Metric, MetricKind, MetricRange, Scope, Worst};
+use scenario::{Absence, Metric, MetricKind, MetricRange, Scope, Stake, Worst};
 use scenario::{Declaration, Dimension, Parameter};
 use sim::measure::{Encounters, FollowedDrop, InStep, Meter, MetricContext, meters};
 
@@ -46,6 +46,7 @@ pub fn max_deceleration() -> Metric {
         worst: Worst::Largest,
         absence: Absence::Open,
         range: MetricRange::DropWithin { window: "window".into(), floor: "standstill".into() },
+        stake: Stake::Motion,
         meters: meters(|context| Box::new(MaxDeceleration(speed_drop(context)))),
     }
 }
@@ -98,6 +99,7 @@ pub fn sudden_speed_change() -> Metric {
             window: "window".into(),
             floor: "standstill".into(),
         },
+        stake: Stake::Motion,
         meters: meters(|context| {
             let threshold = context.settings.number("threshold");
             Box::new(SuddenSpeedChange { threshold, drop: speed_drop(context) })

@@ -4,7 +4,7 @@
 //! cross. A pedestrian who retreats passes the line several times, each time at a conflict point of its own.
 
 use super::travel::standing;
-use scenario::{Absence, Metric, MetricKind, MetricRange, Scope, Worst};
+use scenario::{Absence, Metric, MetricKind, MetricRange, Scope, Stake, Worst};
 use scenario::{ChoiceOption, Declaration, Dimension, Parameter};
 use sim::measure::Reached;
 use sim::measure::{
@@ -50,6 +50,7 @@ pub fn pet() -> Metric {
         worst: Worst::Smallest,
         absence: Absence::Open,
         range: MetricRange::WithinRunUpTo(AT_MOST.into()),
+        stake: Stake::MeetingInTime,
         meters: meters(|context| {
             Box::new(Pet {
                 pair: pair(context),
@@ -149,6 +150,7 @@ pub fn pet_area() -> Metric {
         worst: Worst::Smallest,
         absence: Absence::Open,
         range: MetricRange::WithinRunUpTo(AT_MOST.into()),
+        stake: Stake::MeetingInTime,
         meters: meters(|context| {
             let half_length = context.world.vehicles[context.vehicle].length / 2.0;
             let zero_on_collision = zero_on_collision(context);
@@ -238,6 +240,7 @@ pub fn passed_first() -> Metric {
         worst: Worst::Largest,
         absence: Absence::Open,
         range: MetricRange::Unlimited,
+        stake: Stake::Order,
         meters: meters(|context| Box::new(PassedFirst(Order::new(context)))),
     }
 }
@@ -273,6 +276,7 @@ pub fn gap_accepted() -> Metric {
         worst: Worst::Smallest,
         absence: Absence::Open,
         range: MetricRange::YesOrNo,
+        stake: Stake::Order,
         meters: meters(|context| Box::new(GapAccepted(Order::new(context)))),
     }
 }
@@ -362,6 +366,7 @@ pub fn tta_at_entry() -> Metric {
         worst: Worst::Smallest,
         absence: Absence::Open,
         range: MetricRange::NotNegative,
+        stake: Stake::Entry,
         meters: meters(|context| {
             let from_front = context.settings.word("reference") == "front";
             let ahead = if from_front { context.world.vehicles[context.vehicle].length / 2.0 } else { 0.0 };

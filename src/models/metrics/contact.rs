@@ -1,11 +1,11 @@
 //! How near the footprints come: collision and impact speed with anything, smallest distance of a vehicle and a pedestrian.
 
 use nalgebra::Vector2;
-use scenario::{Absence, Metric, MetricKind, MetricRange, Scope, Shape, Side, Worst};
+use scenario::{Absence, Metric, MetricKind, MetricRange, Scope, Stake, Shape, Side, Worst};
 use scenario::{ChoiceOption, Declaration, Dimension, Parameter, Value};
 use sim::geometry::{Footprint, apart, distance};
 use sim::measure::{
-    Contact, Encounters, InStep, Meter, MetricContext, difference, half_extent_along, lerp, meters,
+    Contact, Encounters, InStep, Meter, MetricContext, difference, half_extent_along, least_of, lerp, meters,
 };
 use sim::{PedestrianState, Solid, Step, VehicleState};
 
@@ -26,6 +26,7 @@ pub fn collision() -> Metric {
         worst: Worst::Largest,
         absence: Absence::Open,
         range: MetricRange::YesOrNo,
+        stake: Stake::Meeting,
         meters: meters(|context| Box::new(Collision(Contacted::new(context)))),
     }
 }
@@ -87,6 +88,7 @@ pub fn impact_speed() -> Metric {
         worst: Worst::Largest,
         absence: Absence::Good,
         range: MetricRange::TwoSpeeds,
+        stake: Stake::Meeting,
         meters: meters(|context| match context.settings.word("component") {
             "along" => Box::new(ImpactAlong { contacted: Contacted::new(context), found: None }),
             _ => Box::new(ImpactSpeed(Contacted::new(context))),
@@ -147,6 +149,7 @@ pub fn impact_point() -> Metric {
         worst: Worst::Neither,
         absence: Absence::Open,
         range: MetricRange::Unlimited,
+        stake: Stake::Meeting,
         meters: meters(|context| {
             let setup = &context.world.pedestrians[context.pedestrian];
             Box::new(ImpactPoint {
@@ -255,6 +258,7 @@ pub fn min_distance() -> Metric {
         worst: Worst::Smallest,
         absence: Absence::Open,
         range: MetricRange::NotNegative,
+        stake: Stake::MeetingOrPassing,
         meters: meters(|context| Box::new(MinDistance::new(context))),
     }
 }
@@ -380,28 +384,3 @@ fn smallest_inside(
     least_of(&mut at)
 }
 
-/// The smallest value of a convex function between 0 and 1, and where it has it.
-pub(super) fn least_of(at: &mut dyn FnMut(f64) -> f64) -> (f64, f64) {
-    // Still coming nearer at the end: then the end is nearest.
-    let end = at(1.0);
-    if at(1.0 - 1e-6) >= end {
-        return (end, 1.0);
-    }
-    // Golden section search: the step shrinks to 1e-6 of itself, and the minimum is flat there.
-    const GOLDEN: f64 = 0.618_033_988_749_894_8;
-    let (mut low, mut high) = (0.0, 1.0);
-    let (mut left, mut right) = (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
-    let (mut at_left, mut at_right) = (at(left), at(right));
-    for _ in 0..28 {
-        if at_left <= at_right {
-            (high, right, at_right) = (right, left, at_left);
-            left = high - GOLDEN * (high - low);
-            at_left = at(left);
-        } else {
-            (low, left, at_left) = (left, right, at_right);
-            right = low + GOLDEN * (high - low);
-            at_right = at(right);
-        }
-    }
-    if at_left <= at_right { (at_left, left) } else { (at_right, right) }
-}

@@ -1,6 +1,6 @@
 //! How the pedestrian crosses: when it sets off, how long it is in the lane, what waiting costs it.
 
-use scenario::{Absence, Metric, MetricKind, MetricRange, Scope, Worst};
+use scenario::{Absence, Metric, MetricKind, MetricRange, Scope, Stake, Worst};
 use scenario::{Declaration, Dimension, Parameter};
 use sim::measure::rising;
 use sim::measure::{Encounters, End, Meter, MetricContext, Open, difference, meters};
@@ -28,6 +28,7 @@ pub fn crossing_initiation_time() -> Metric {
         worst: Worst::Largest,
         absence: Absence::Bad,
         range: MetricRange::WithinRun,
+        stake: Stake::Company,
         meters: meters(|context| {
             let threshold = context.settings.number("speed");
             let pedestrian = context.pedestrian;
@@ -88,6 +89,7 @@ pub fn crossing_duration() -> Metric {
         worst: Worst::Largest,
         absence: Absence::Bad,
         range: MetricRange::WithinRun,
+        stake: Stake::Entry,
         meters: meters(|context| Box::new(CrossingDuration { pair: (context.vehicle, context.pedestrian) })),
     }
 }
@@ -130,6 +132,7 @@ pub fn pedestrian_delay() -> Metric {
         worst: Worst::Largest,
         absence: Absence::Bad,
         range: MetricRange::Unlimited,
+        stake: Stake::Company,
         meters: meters(|context| Box::new(PedestrianDelay::new(context))),
     }
 }

@@ -71,9 +71,9 @@ pub fn measure(world: &World, requests: &[MetricReference], car: &Profile, walk:
     observe(world, requests, car, walk).readings()
 }
 
-/// Whether the pedestrian appeared, entered and met the car.
+/// What the pedestrian and the car had to do with each other.
 pub fn presence(world: &World, car: &Profile, walk: &Walk) -> Presence {
-    observe(world, &[], car, walk).presences()[0]
+    observe(world, &[], car, walk).presences()[0].2
 }
 
 fn observe(world: &World, requests: &[MetricReference], car: &Profile, walk: &Walk) -> Measurement {

@@ -1,7 +1,7 @@
 //! How closely a vehicle follows somebody who is in its way.
 
 use super::travel::standing;
-use scenario::{Absence, Declaration, Dimension, Metric, MetricKind, MetricRange, Scope, Worst};
+use scenario::{Absence, Declaration, Dimension, Metric, MetricKind, MetricRange, Scope, Stake, Worst};
 use sim::Step;
 use sim::measure::{Encounters, InStep, Meter, half_extent, lerp, meters, part_within};
 
@@ -20,6 +20,7 @@ pub fn time_headway() -> Metric {
         worst: Worst::Smallest,
         absence: Absence::Good,
         range: MetricRange::NotNegative,
+        stake: Stake::Meeting,
         meters: meters(|context| {
             Box::new(TimeHeadway {
                 pair: (context.vehicle, context.pedestrian),

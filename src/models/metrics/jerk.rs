@@ -1,6 +1,6 @@
 //! How smoothly the vehicle drives: largest and root mean square jerk.
 
-use scenario::{Absence, Metric, MetricKind, MetricRange, Scope, Worst};
+use scenario::{Absence, Metric, MetricKind, MetricRange, Scope, Stake, Worst};
 use scenario::{Declaration, Dimension, Parameter};
 use sim::measure::{Encounters, FollowedJerk, InStep, Meter, MetricContext, meters};
 
@@ -33,6 +33,7 @@ pub fn max_jerk() -> Metric {
         worst: Worst::Largest,
         absence: Absence::Open,
         range: MetricRange::NotNegative,
+        stake: Stake::Motion,
         meters: meters(|context| Box::new(MaxJerk(jerk(context)))),
     }
 }
@@ -76,6 +77,7 @@ pub fn rms_jerk() -> Metric {
         worst: Worst::Largest,
         absence: Absence::Open,
         range: MetricRange::NotNegative,
+        stake: Stake::Motion,
         meters: meters(|context| Box::new(RmsJerk(jerk(context)))),
     }
 }

@@ -1,6 +1,6 @@
 //! How hard a vehicle takes the bends of its lane, and of its way where it is steered.
 
-use scenario::{Absence, Declaration, Dimension, Metric, MetricKind, MetricRange, Scope, Worst};
+use scenario::{Absence, Declaration, Dimension, Metric, MetricKind, MetricRange, Scope, Stake, Worst};
 use sim::Step;
 use sim::measure::{Encounters, InStep, Meter, meters};
 
@@ -17,6 +17,7 @@ pub fn lateral_acceleration() -> Metric {
         worst: Worst::Largest,
         absence: Absence::Open,
         range: MetricRange::NotNegative,
+        stake: Stake::Motion,
         meters: meters(|context| {
             Box::new(LateralAcceleration {
                 vehicle: context.vehicle,

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use scenario::population::{HUMANS, Plausibility, STANDARD};
 use scenario::{Absence, ChoiceOption, Declaration, Dimension, Metric, MetricKind, MetricRange, Parameter};
-use scenario::{PedestrianModel, Scope, Settings, Worst};
+use scenario::{PedestrianModel, Scope, Stake, Settings, Worst};
 use sim::measure::{Encounters, Meter, MetricContext, meters};
 
 pub fn plausibility() -> Metric {
@@ -38,6 +38,7 @@ pub fn plausibility() -> Metric {
         worst: Worst::Smallest,
         absence: Absence::Open,
         range: MetricRange::Share,
+        stake: Stake::Appearance,
         meters: meters(|context| Box::new(KnownBefore::of(context))),
     }
 }

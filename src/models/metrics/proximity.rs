@@ -1,6 +1,6 @@
 //! How urgent it gets: time to collision and the deceleration that would avoid a crash.
 
-use scenario::{Absence, Located, Metric, MetricKind, MetricRange, Scope, Worst};
+use scenario::{Absence, Located, Metric, MetricKind, MetricRange, Scope, Stake, Worst};
 use scenario::{ChoiceOption, Declaration, Dimension, Parameter, Settings, Value};
 use sim::geometry::first_contact;
 use sim::measure::{Encounter, Encounters, InStep, Meter, MetricContext, meters};
@@ -63,6 +63,7 @@ pub fn min_ttc() -> Metric {
         worst: Worst::Smallest,
         absence: Absence::Good,
         range: MetricRange::NotNegative,
+        stake: Stake::Meeting,
         meters: meters(|context| {
             context.look_ahead();
             Box::new(MinTtc {
@@ -157,6 +158,7 @@ pub fn drac() -> Metric {
         worst: Worst::Largest,
         absence: Absence::Good,
         range: MetricRange::UpTo("ceiling".into()),
+        stake: Stake::Meeting,
         meters: meters(|context| Box::new(Drac::new(context))),
     }
 }

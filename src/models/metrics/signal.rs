@@ -1,7 +1,7 @@
 //! Whether a vehicle drives over a stop line in red.
 
 use scenario::{
-    Absence, Crossing, CrossingKind, Declaration, Metric, MetricKind, MetricRange, Scope, SignalState,
+    Absence, Crossing, CrossingKind, Declaration, Metric, MetricKind, MetricRange, Scope, Stake, SignalState,
     TrafficSignal, Worst,
 };
 use sim::Step;
@@ -21,6 +21,7 @@ pub fn ran_red() -> Metric {
         worst: Worst::Largest,
         absence: Absence::Good,
         range: MetricRange::YesOrNo,
+        stake: Stake::Value,
         meters: meters(|context| Box::new(RanRed::new(context))),
     }
 }

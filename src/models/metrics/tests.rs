@@ -6,7 +6,7 @@ use super::fixture::{Profile, Walk, measure, measure_all, open_of, presence, req
 use super::*;
 use scenario::Settings;
 use scenario::{Appearance, Direction, Side, Value};
-use sim::measure::Open;
+use sim::measure::{Closeness, Open, Presence};
 
 const STEPS: [f64; 2] = [0.005, 0.025];
 
@@ -558,27 +558,48 @@ fn critical_instants_of_a_pedestrian_who_passes_first() {
 }
 
 #[test]
-fn who_meets_a_vehicle_is_in_its_lane_within_five_seconds_of_it() {
+fn how_close_a_pedestrian_and_a_vehicle_come() {
     let world = world(0.025, 30.0);
-    let met = |car: Profile, walk: &[(f64, f64, f64)]| presence(&world, &car, &Walk(walk.to_vec())).met;
+    let of = |car: Profile, walk: &[(f64, f64, f64)]| presence(&world, &car, &Walk(walk.to_vec()));
+    let closest = |car: Profile, walk: &[(f64, f64, f64)]| of(car, walk).closest;
     let car = |place, speed, stretches: &[(f64, f64)]| Profile::new(place, speed, stretches);
     let (lane, half) = (world.road.path(0).point(0.0).y, world.road.lane_width / 2.0);
     let across = |from: f64| [(0.0, 0.0, lane - 5.0), (from, 0.0, lane - 5.0), (from + 8.0, 0.0, lane + 5.0)];
     // In the lane from 2.4 s to 5.6 s on; at 10 m/s from 120 m away the car is then 6 s away, from 95 m 3.6 s.
     let enters = 8.0 * (5.0 - half) / 10.0;
     assert!((enters - 2.4).abs() < 0.5, "{enters}");
-    assert!(!met(car(-120.0, 10.0, &[]), &across(0.001)));
-    assert!(met(car(-95.0, 10.0, &[]), &across(0.001)));
-    // The same behind the car: it has been gone for less than 5 s, or longer.
-    assert!(met(car(10.0, 10.0, &[]), &across(0.001)));
-    assert!(!met(car(60.0, 10.0, &[]), &across(0.001)));
-    // Beside the lane nobody meets, however near.
+    assert_eq!(closest(car(-120.0, 10.0, &[]), &across(0.001)), Closeness::InTheWay);
+    assert_eq!(closest(car(-95.0, 10.0, &[]), &across(0.001)), Closeness::Met);
+    // Behind a car that has been gone for less than 5 s, or longer; behind one that was past when they appeared, however near.
+    assert_eq!(closest(car(-10.0, 10.0, &[]), &across(0.001)), Closeness::Met);
+    assert_eq!(closest(car(-10.0, 10.0, &[]), &across(8.0)), Closeness::InTheWay);
+    assert_eq!(closest(car(10.0, 10.0, &[]), &across(0.001)), Closeness::Apart);
+    // Beside the lane no pedestrian is in the way, however near.
     let beside = [(0.0, 0.0, lane - half - 0.5), (30.0, 0.1, lane - half - 0.5)];
-    assert!(!met(car(-50.0, 10.0, &[]), &beside));
-    // Who is waited for has met whoever waits, however long that one has stood.
-    assert!(met(car(-45.0, 10.0, &[(20.0, -2.0)]), &across(15.0)));
-    // A parked one waits for nobody.
-    assert!(!met(car(-10.0, 0.0, &[]), &across(0.001)));
+    let passed = of(car(-50.0, 10.0, &[]), &beside);
+    assert_eq!(passed, Presence { closest: Closeness::Abreast, moved: true, passed: true });
+    let stops = of(car(-50.0, 10.0, &[(2.0, 0.0), (4.0, -10.0)]), &beside);
+    assert_eq!(stops, Presence { closest: Closeness::Together, moved: true, passed: false });
+    // A car that stops early was on its way when they appeared; one that stood by then has met what comes within 25 m.
+    assert_eq!(closest(car(-45.0, 10.0, &[(20.0, -2.0)]), &across(15.0)), Closeness::Met);
+    let mut late = world.clone();
+    late.pedestrians[0].appears = Appearance::At(10.0);
+    let walk = Walk(vec![(0.0, 0.0, lane - 5.0), (15.0, 0.0, lane - 5.0), (23.0, 0.0, lane + 5.0)]);
+    for (place, expected) in [(-50.0, Closeness::Met), (-60.0, Closeness::InTheWay)] {
+        // It stands 25 m further on before they appear.
+        let stood = presence(&late, &car(place, 10.0, &[(20.0, -2.0)]), &walk);
+        assert_eq!((stood.closest, stood.moved), (expected, false), "{place}");
+    }
+    // A parked one meets nobody, and neither does one that moves by rounding.
+    for speed in [0.0, 1e-9] {
+        let parked = of(car(-10.0, speed, &[]), &across(0.001));
+        assert_eq!(parked, Presence { closest: Closeness::Apart, moved: false, passed: false });
+    }
+    late.pedestrians[0].appears = Appearance::At(1000.0);
+    assert_eq!(presence(&late, &straight(-50.0), &walk), Presence::default());
+    // A car that drives into somebody who stands there.
+    let stands = Walk(vec![(0.0, 0.0, lane), (30.0, 0.1, lane)]);
+    assert_eq!(presence(&world, &straight(-50.0), &stands).closest, Closeness::Touched);
 }
 
 /// A controller that stops exactly leaves speeds of rounding, over which a distance is no time to arrival.

@@ -1,6 +1,6 @@
 //! What the encounter costs the vehicle: time lost, time taken and time stopped.
 
-use scenario::{Absence, Metric, MetricKind, MetricRange, Scope, Worst};
+use scenario::{Absence, Metric, MetricKind, MetricRange, Scope, Stake, Worst};
 use scenario::{Declaration, Dimension, Parameter};
 use sim::Step;
 use sim::measure::{Encounters, End, FreeFlow, Meter, MetricContext, Open, difference, meters};
@@ -30,6 +30,7 @@ pub fn time_lost() -> Metric {
         worst: Worst::Largest,
         absence: Absence::Bad,
         range: MetricRange::WithinRun,
+        stake: Stake::Motion,
         meters: meters(|context| Box::new(TimeLost::new(context))),
     }
 }
@@ -95,6 +96,7 @@ pub fn travel_time() -> Metric {
         worst: Worst::Largest,
         absence: Absence::Bad,
         range: MetricRange::WithinRun,
+        stake: Stake::Motion,
         meters: meters(|context| {
             Box::new(TravelTime { vehicle: context.vehicle, line: context.world.finish, finish: None })
         }),
@@ -144,6 +146,7 @@ pub fn stopped_time() -> Metric {
         worst: Worst::Largest,
         absence: Absence::Open,
         range: MetricRange::WithinRun,
+        stake: Stake::Motion,
         meters: meters(|context| {
             let speed = context.settings.number("speed");
             Box::new(StoppedTime { vehicle: context.vehicle, line: context.world.finish, speed, total: 0.0 })

@@ -1,11 +1,10 @@
 //! How near two vehicles come to each other in place and time: where their ways cross, and everywhere else.
 
-use super::contact::least_of;
 use scenario::{
-    Absence, Declaration, Dimension, Metric, MetricKind, MetricRange, PathConflict, Scope, Worst,
+    Absence, Declaration, Dimension, Metric, MetricKind, MetricRange, PathConflict, Scope, Stake, Worst,
 };
 use sim::geometry::{Footprint, apart};
-use sim::measure::{Contact, Encounters, End, InStep, Meter, MetricContext, Open, difference, meters};
+use sim::measure::{Contact, Encounters, End, InStep, Meter, MetricContext, Open, difference, least_of, meters};
 use sim::{Solid, Step, VehicleState, path_conflicts, vehicles_meet};
 
 const CONFLICT: &str = "shared area: what the bodies of both sweep along their lanes where these cross, so that a vehicle is in it \
@@ -58,6 +57,7 @@ pub fn vehicle_pet() -> Metric {
         worst: Worst::Smallest,
         absence: Absence::Open,
         range: MetricRange::WithinRun,
+        stake: Stake::Vehicles,
         meters: meters(|context| Box::new(VehiclePet(Crossing::new(context)))),
     }
 }
@@ -126,6 +126,7 @@ pub fn entered_first() -> Metric {
         worst: Worst::Neither,
         absence: Absence::Open,
         range: MetricRange::YesOrNo,
+        stake: Stake::Vehicles,
         meters: meters(|context| Box::new(EnteredFirst(Crossing::new(context)))),
     }
 }
@@ -178,6 +179,7 @@ pub fn vehicle_ttc() -> Metric {
         // A pair that was never in each other's way was not put to the test.
         absence: Absence::Open,
         range: MetricRange::NotNegative,
+        stake: Stake::Vehicles,
         meters: meters(|context| {
             let others = match context.with {
                 Some(Solid::Vehicle(other)) => Some((context.vehicle, other)),
@@ -250,6 +252,7 @@ pub fn vehicle_distance() -> Metric {
         worst: Worst::Smallest,
         absence: Absence::Open,
         range: MetricRange::NotNegative,
+        stake: Stake::Vehicles,
         meters: meters(|context| {
             let others = match context.with {
                 Some(Solid::Vehicle(other)) => Some((context.vehicle, other)),

@@ -6,6 +6,7 @@ use super::{PedestrianContext, PedestrianModel};
 use scenario::{
     Chance, Declaration, Dimension, Parameter, Settings, Side, SignalConduct, TextError, VehicleReference,
 };
+use scenario::agent::ScriptStep;
 use sim::script::{Action, Script, ScriptQuantity, parameters};
 use sim::{Mode, ModelError, Motion, Pedestrian, Scene, geometry};
 
@@ -121,6 +122,10 @@ impl Pedestrian for ByTimeline {
             Action::Stop => Motion::Walk(Vector2::zeros()),
             Action::Resume => walk(self.walking_speed),
         }
+    }
+
+    fn waiting_steps(&self) -> Vec<ScriptStep> {
+        self.script.waiting_steps()
     }
 
     fn mode(&self) -> Mode {

@@ -5,6 +5,7 @@ use super::period::period;
 use super::red_light::LOOKS_AT_NOTHING;
 use super::{CommandKind, ControllerContext, ControllerModel};
 use scenario::{Chance, Declaration, Dimension, Parameter, TextError};
+use scenario::agent::ScriptStep;
 use sim::script::{Action, Script, ScriptQuantity, parameters};
 use sim::{Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule};
 
@@ -106,6 +107,10 @@ impl Controller for ByTimeline {
             Action::Stop => -self.deceleration,
             Action::Resume => toward(observation.cruise_speed),
         }))
+    }
+
+    fn waiting_steps(&self) -> Vec<ScriptStep> {
+        self.script.waiting_steps()
     }
 
     fn mode(&self) -> Mode {

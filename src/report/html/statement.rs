@@ -83,7 +83,7 @@ impl Statements {
         *match result.conclusion {
             Conclusion::Reproduced => &mut self.reproduced,
             Conclusion::NotReproduced => &mut self.not_reproduced,
-            Conclusion::NotComparable(_) => &mut self.not_comparable,
+            Conclusion::NotComparable(_) | Conclusion::Untested => &mut self.not_comparable,
         } += 1;
         self.surprises += usize::from(result.surprise().is_some());
         self.rows.push(Row::new(report, result));
@@ -95,7 +95,7 @@ impl Row {
         let (class, mark) = match result.conclusion {
             Conclusion::Reproduced => ("passed", "✓"),
             Conclusion::NotReproduced => ("failed", "✗"),
-            Conclusion::NotComparable(_) => ("inconclusive", "–"),
+            Conclusion::NotComparable(_) | Conclusion::Untested => ("inconclusive", "–"),
         };
         let reason = match &result.standing {
             DeclaredStanding::Differs(reason) => format!("declared to differ: {reason}"),

@@ -485,7 +485,7 @@ fn trial(
 fn cell(finding: &Finding, key: &str) -> Cell {
     Cell {
         verdict: verdict_word(finding.verdict),
-        mark: if finding.vacuous.is_some() { "⚠" } else { verdict_mark(finding.verdict) },
+        mark: if finding.untested.is_some() { "⚠" } else { verdict_mark(finding.verdict) },
         observed: observed(finding),
         interval: interval(finding),
         details: details(finding),
@@ -500,7 +500,7 @@ fn details(finding: &Finding) -> String {
     let told = finding.measure == FindingMeasure::EveryRun || finding.criterion.contains(&bound);
     let bound = (!told).then(|| format!("bound {bound}"));
     let margin = margin(finding).map(|margin| format!("margin {margin}"));
-    let untested = finding.vacuous.map(|_| "untested".to_string());
+    let untested = finding.untested.as_ref().map(|_| "untested".to_string());
     [untested, bound, margin, missing(finding)].into_iter().flatten().collect::<Vec<_>>().join(", ")
 }
 

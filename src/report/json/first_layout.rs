@@ -195,7 +195,7 @@ impl RecordedRun {
                     may_differ: false,
                     outcome: run.outcome(requests)?,
                     same_case: self.same_case,
-                    judged: judged(&self.key, verdict, own, None, None)?,
+                    judged: judged(&self.key, verdict, own, None, None, Default::default())?,
                     against,
                 }))
             }
@@ -240,7 +240,7 @@ impl TrialOfSuite {
                 TrialState::NotFinished(cut(&trial.key, self.cut_by, message)?)
             }
             (verdict, None) => {
-                TrialState::Judged(judged(&trial.key, verdict, self.findings, self.stopping, self.horizon)?)
+                TrialState::Judged(judged(&trial.key, verdict, self.findings, self.stopping, self.horizon, Default::default())?)
             }
             (verdict, _) => return Err(contradiction(&trial.key, format!("`{verdict}` without its reason"))),
         };

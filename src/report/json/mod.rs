@@ -173,12 +173,18 @@ fn trial_object<'v>(report: &'v TrialReport, requests: &'v Requests) -> Object<'
     let criteria: Rc<Vec<_>> = Rc::new(report.trial.criteria.iter().filter_map(per_run).collect());
     let run = move |outcome: &Outcome| {
         let mut value = outcome_value(outcome, requests);
-        let Outcome { critical, presences, cut_off, wall_time, .. } = outcome;
+        let Outcome { critical, presences, waiting_steps, left_road, cut_off, wall_time, .. } = outcome;
         value["record"] = json!({
             "critical": plain(critical),
             "presences": plain(presences),
             "wall_time": plain(wall_time),
         });
+        if !waiting_steps.is_empty() {
+            value["record"]["waiting_steps"] = plain(waiting_steps);
+        }
+        if !left_road.is_empty() {
+            value["record"]["left_road"] = plain(left_road);
+        }
         if let Some(cut_off) = cut_off {
             value["record"]["cut_off"] = plain(cut_off);
         }
@@ -205,6 +211,12 @@ fn trial_object<'v>(report: &'v TrialReport, requests: &'v Requests) -> Object<'
             fields.insert("findings".into(), plain(&judged.findings));
             if judged.claims_nothing() {
                 fields.insert("judged".into(), false.into());
+            }
+            if !judged.never_began.is_empty() {
+                fields.insert("never_began".into(), plain(&judged.never_began));
+            }
+            if !judged.left_road.is_empty() {
+                fields.insert("left_road".into(), plain(&judged.left_road));
             }
             objects.extend(judged.horizon.as_ref().map(|horizon| ("horizon", horizon_object(horizon))));
             if let Some(stopping) = &judged.stopping {

@@ -10,12 +10,12 @@ use serde_json::{Map, Value};
 use super::error::{ResultsError, contradiction};
 use numbers::json;
 use results::{
-    ByMetric, Critical, CutOff, Finding, GateState, GateVerdict, Horizon, NotJudged, Outcome, Refusal,
-    Requests, RunFault, RunsTaken, TrialVerdict, Verdict,
+    ByMetric, Critical, CutOff, Finding, GateState, GateVerdict, Horizon, LeftRoad, NotJudged, Outcome,
+    PairPresence, Refusal, Requests, RunFault, RunsTaken, TrialVerdict, Verdict, WaitingStep,
 };
 use scenario::{Draw, FaultKind, Individual, Origin, ProgramFault};
 use sim::Ending;
-use sim::measure::{Open, Presence};
+use sim::measure::Open;
 
 /// One run, of any layout.
 #[derive(Deserialize)]
@@ -39,8 +39,12 @@ pub(super) struct Run {
 #[derive(Deserialize)]
 struct RunRecord {
     critical: ByMetric<Critical>,
-    presences: Vec<(Arc<str>, Presence)>,
+    presences: Vec<PairPresence>,
     wall_time: Duration,
+    #[serde(default)]
+    waiting_steps: Vec<WaitingStep>,
+    #[serde(default)]
+    left_road: Vec<Arc<str>>,
     #[serde(default)]
     cut_off: Option<Box<CutOff>>,
 }
@@ -64,6 +68,8 @@ impl Run {
             RunRecord {
                 critical: ByMetric::default(),
                 presences: Vec::new(),
+                waiting_steps: Vec::new(),
+                left_road: Vec::new(),
                 wall_time: Duration::ZERO,
                 cut_off: (!self.open.is_empty())
                     .then(|| Box::new(CutOff { open: open.collect(), ..CutOff::default() })),
@@ -78,6 +84,8 @@ impl Run {
             metrics,
             critical: record.critical,
             presences: record.presences,
+            waiting_steps: record.waiting_steps,
+            left_road: record.left_road,
             cut_off: record.cut_off,
             fingerprint: self.fingerprint,
             wall_time: record.wall_time,
@@ -92,13 +100,14 @@ pub(super) fn judged(
     findings: Vec<Finding>,
     stopping: Option<RunsTaken>,
     horizon: Option<Horizon>,
+    (never_began, left_road): (Vec<WaitingStep>, Vec<LeftRoad>),
 ) -> Result<TrialVerdict, ResultsError> {
     let worst = findings.iter().map(|finding| finding.verdict).max().unwrap_or(Verdict::Passed);
     if !says(verdict, worst) {
         let what = format!("its verdict is `{verdict}`, and the worst of its findings is another");
         return Err(contradiction(key, what));
     }
-    Ok(TrialVerdict { verdict: worst, findings, stopping, horizon })
+    Ok(TrialVerdict { verdict: worst, findings, stopping, horizon, never_began, left_road })
 }
 
 /// What became of a gate, whose verdict has to be that of its result.

@@ -9,7 +9,7 @@ use serde::Deserialize;
 use super::error::{ResultsError, contradiction, seconds};
 use super::first_layout;
 use super::parts::{FaultOfRun, Run, faults, gate_state, judged, says};
-use results::{
+use results::{LeftRoad, WaitingStep, 
     BlockReport, BlockResult, BlockState, Chosen, Cut, Finding, GateReport, GateVerdict, Horizon, NotJudged,
     NotRated, Outcome, PeopleUsed, Program, RatingReport, RatingResult, RatingState, Recorded,
     RecordedReport, RecordedState, Recording, Refusal, Requests, Results, RunsTaken, Skip, SuiteIdentity,
@@ -105,6 +105,10 @@ struct TrialOfSuite {
     stopping: Option<RunsTaken>,
     #[serde(default)]
     horizon: Option<Horizon>,
+    #[serde(default)]
+    never_began: Vec<WaitingStep>,
+    #[serde(default)]
+    left_road: Vec<LeftRoad>,
     #[serde(default)]
     faults: Vec<FaultOfRun>,
     runs: Vec<Run>,
@@ -229,7 +233,15 @@ impl TrialOfSuite {
             ("not_finished", _, Some(cut), None) => TrialState::NotFinished(cut),
             ("skipped", _, None, Some(skip)) => TrialState::Skipped(skip),
             (verdict, None, None, None) => {
-                TrialState::Judged(judged(&trial.key, verdict, self.findings, self.stopping, self.horizon)?)
+                let otherwise = (self.never_began, self.left_road);
+                    TrialState::Judged(judged(
+                        &trial.key,
+                        verdict,
+                        self.findings,
+                        self.stopping,
+                        self.horizon,
+                        otherwise,
+                    )?)
             }
             (verdict, ..) => return Err(contradiction(&self.key, format!("`{verdict}` without its reason"))),
         };

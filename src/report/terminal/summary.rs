@@ -187,8 +187,10 @@ struct Standings {
     interrupted: usize,
     not_run: usize,
     not_selected: usize,
-    /// Trials with criteria that passed without being put to the test.
+    /// Units with something that passed without being put to the test.
     untested: usize,
+    /// Trials in which a vehicle left its carriageway.
+    left_road: usize,
     /// Runs that the horizon ended.
     cut_off: usize,
     recorded: usize,
@@ -208,7 +210,8 @@ impl Standings {
             let summary = report.summary();
             tally.trials += summary.ran();
             tally.runs += summary.runs();
-            tally.untested += summary.untested();
+            tally.untested += report.untested();
+            tally.left_road += summary.scenarios.iter().map(|scenario| scenario.left_road).sum::<usize>();
             tally.cut_off += summary.scenarios.iter().map(|scenario| scenario.cut_off).sum::<usize>();
             for StandingCount { standing, skip, trials } in summary.standings() {
                 tally.add(*standing, skip.as_ref(), *trials);
@@ -266,10 +269,14 @@ impl Standings {
             0 => String::new(),
             number => format!("; {number} with untested criteria"),
         };
+        let left_road = match self.left_road {
+            0 => String::new(),
+            number => format!("; in {number} a vehicle left the road"),
+        };
         let cut_off = match self.cut_off {
             0 => String::new(),
             number => format!("; {} ended at the horizon", count(number, "run")),
         };
-        format!("{}: {said}{left_out}{untested}{cut_off}", what.join(", "))
+        format!("{}: {said}{left_out}{untested}{left_road}{cut_off}", what.join(", "))
     }
 }

@@ -5,7 +5,9 @@ use super::horizon;
 use super::nearest::nearest;
 use super::possible::bounded_above;
 use super::seen::{Evidence, Seen};
-use super::vacuity;
+use super::not_as_declared::{left_road, never_began};
+use super::overlap;
+use super::untested;
 use crate::{Finding, FindingMeasure, Horizon, Outcome, Regarding, Requests, TrialVerdict, Verdict};
 use scenario::{
     Aggregate, AggregateBounds, AggregateResponse, Claim, Comparison, Criterion, Individual, MetricReference,
@@ -16,7 +18,7 @@ use scenario::{
 pub fn judge(criteria: &[Criterion], outcomes: &[Outcome], requests: &Requests) -> TrialVerdict {
     let evidence = Evidence { outcomes, requests, bounds: Bounds::Fixed };
     let findings = criteria.iter().map(|criterion| find(criterion, &evidence)).collect();
-    TrialVerdict::of(findings, criteria, outcomes)
+    TrialVerdict::of(findings, criteria, &evidence)
 }
 
 impl TrialVerdict {
@@ -26,13 +28,17 @@ impl TrialVerdict {
     }
 
     /// Of a trial whose runs were fixed beforehand.
-    pub(super) fn of(mut findings: Vec<Finding>, criteria: &[Criterion], outcomes: &[Outcome]) -> Self {
-        vacuity::mark(&mut findings, criteria, outcomes);
+    pub(super) fn of(mut findings: Vec<Finding>, criteria: &[Criterion], evidence: &Evidence) -> Self {
+        let Evidence { outcomes, requests, .. } = *evidence;
+        untested::mark(&mut findings, criteria, outcomes, requests);
+        overlap::mark(&mut findings, criteria, outcomes, requests);
         let horizon = Horizon::of(outcomes);
         horizon::mark(&mut findings, criteria, outcomes);
         mark_alike(&mut findings, outcomes);
         let verdict = findings.iter().map(|finding| finding.verdict).max().unwrap_or(Verdict::Passed);
-        Self { verdict, findings, stopping: None, horizon }
+        let never_began = never_began(outcomes);
+        let left_road = left_road(criteria, outcomes);
+        Self { verdict, findings, stopping: None, horizon, never_began, left_road }
     }
 }
 
@@ -392,7 +398,9 @@ fn against(
         people: None,
         worst: Vec::new(),
         closest: None,
-        vacuous: None,
+        overlapping: 0,
+        tested: None,
+        untested: None,
     }
 }
 

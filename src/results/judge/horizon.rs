@@ -1,7 +1,7 @@
 //! Runs that ended before everything was seen: how many, who had not arrived, who was about to touch, and which criteria
 //! that leaves untested.
 
-use crate::{CourseOfRun, Finding, Horizon, Outcome, Stranded, Vacuity, Verdict};
+use crate::{CourseOfRun, Finding, Horizon, Outcome, Stranded, Untested, Verdict};
 use scenario::{Claim, Criterion, MetricReference, Relation, Scope, WhenUndefined, Worst};
 use sim::StopReason;
 
@@ -58,8 +58,8 @@ pub(super) fn mark(findings: &mut [Finding], criteria: &[Criterion], outcomes: &
             continue;
         }
         finding.unseen = cut_off_runs(criterion.claim.metric(), outcomes);
-        if finding.unseen > 0 && finding.verdict == Verdict::Passed && finding.vacuous.is_none() {
-            finding.vacuous = Some(Vacuity::CutOff);
+        if finding.unseen > 0 && finding.verdict == Verdict::Passed && finding.untested.is_none() {
+            finding.untested = Some(Untested::CutOff);
         }
     }
 }
@@ -164,6 +164,8 @@ mod tests {
                 metrics: vec![(!is_late).then_some(2.0 + 0.001 * run as f64)],
                 critical: Default::default(),
                 presences: Vec::new(),
+                waiting_steps: Vec::new(),
+                left_road: Vec::new(),
                 cut_off: open.map(cut_off),
                 fingerprint: 0,
                 wall_time: Duration::ZERO,
@@ -260,6 +262,8 @@ mod tests {
                     metrics: vec![(!late).then_some(*value)],
                     critical: Default::default(),
                     presences: Vec::new(),
+                    waiting_steps: Vec::new(),
+                    left_road: Vec::new(),
                     cut_off: late.then(|| cut_off(Open::at_least(horizon))),
                     fingerprint: 0,
                     wall_time: Duration::ZERO,

@@ -3,14 +3,16 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use super::untested::untested_by;
 use crate::{
     CellWorth, EarnedPoints, NotRated, Outcome, PointsFinding, RatedCell, RatingReport, RatingResult,
-    RatingState, Requests, Skip, TrialReport, TrialState, Verdict, is_value,
+    RatingState, Requests, Skip, TrialReport, TrialState, Untested, Verdict, is_value,
 };
 use scenario::{
     Absence, MetricReference, Rating, Scope, Trial, Value, VariationCondition, Weights, Worst, significant,
 };
 use sim::StopReason;
+use sim::measure::Closeness;
 
 /// Scenarios with this tag have numbers that were not read in the rule itself.
 const UNVERIFIED: &str = "unverified";
@@ -126,7 +128,7 @@ fn worth(rating: &Rating, trial: &TrialReport, requests: &Requests) -> Result<Ce
     let worst = rating.measure.known().map_or(Worst::Neither, |metric| metric.worst);
     let mut found: Option<(f64, Run)> = None;
     for outcome in &trial.outcomes {
-        let run = run(&rating.measure, index, weights, outcome)?;
+        let run = run(&rating.measure, index, weights, outcome, requests)?;
         let weight = weights
             .weight(run.value)
             .ok_or_else(|| format!("`{}` does not exist in {}", rating.measure.label(), outcome.key))?;
@@ -177,39 +179,30 @@ fn run<'o>(
     index: usize,
     weights: &Weights,
     outcome: &'o Outcome,
+    requests: &Requests,
 ) -> Result<Run<'o>, String> {
     let (key, label) = (outcome.key.as_str(), measure.label());
     let value = outcome.metrics.get(index).copied().flatten();
-    let whom = measure.pair.as_ref();
-    let presences: Vec<_> = outcome
-        .presences
-        .iter()
-        .filter(|(name, _)| measure.is_of(name))
-        .map(|(_, presence)| presence)
-        .collect();
-    let nobody = |did: fn(&sim::measure::Presence) -> bool| {
-        !presences.is_empty() && !presences.iter().any(|presence| did(presence))
+    let untested = untested_by(measure, std::slice::from_ref(outcome), requests);
+    let closest = match &untested {
+        Some(Untested::Pairs { pairs, .. }) => pairs.iter().map(|pair| pair.closest).min(),
+        _ => None,
     };
-    if nobody(|presence| presence.appeared) {
+    if closest == Some(Closeness::Absent) {
         return Err(format!("nobody appeared in {key}"));
     }
     if outcome.open(index).is_some() {
         let seconds = significant(outcome.ending.time, 4);
         return Err(format!("{key} was cut off at {seconds} s, before `{label}` was decided"));
     }
-    if value.is_some() {
-        return Ok(Run { key, value, absent: false });
-    }
     let metric = measure.known();
-    if metric.is_some_and(|metric| matches!(metric.scope, Scope::Pair | Scope::Contact)) {
-        if nobody(|presence| presence.entered) {
-            return Err(format!("nobody came into a lane in {key}"));
-        }
+    if value.is_none() && metric.is_some_and(|metric| matches!(metric.scope, Scope::Pair | Scope::Contact)) {
         if outcome.ending.reason == StopReason::Collision {
             return Err(format!("a contact ended {key} of which `{label}` says nothing"));
         }
         let concerned = |one: &&crate::Unfinished| {
-            whom.is_none_or(|(vehicle, _)| *one.vehicle == **vehicle && measure.is_of(&one.pedestrian))
+            let vehicle = measure.pair.as_ref().map(|(vehicle, _)| vehicle);
+            vehicle.is_none_or(|vehicle| *one.vehicle == **vehicle && measure.is_of(&one.pedestrian))
         };
         if let Some(one) = outcome.cut_off.iter().flat_map(|cut_off| &cut_off.unfinished).find(concerned) {
             let (vehicle, pedestrian, seconds) =
@@ -218,9 +211,17 @@ fn run<'o>(
                 "{key} was cut off at {seconds} s, before `{vehicle}` and `{pedestrian}` were past each other"
             ));
         }
-        if nobody(|presence| presence.met) {
-            return Err(format!("nobody came near a vehicle in {key}: nothing was at stake"));
-        }
+    }
+    if untested.is_some() {
+        return Err(match closest {
+            Some(closest) if closest < Closeness::InTheWay => {
+                format!("no pedestrian came into the way of a vehicle in {key}: nothing was at stake")
+            }
+            _ => format!("no pedestrian came near a vehicle in {key}: nothing was at stake"),
+        });
+    }
+    if value.is_some() {
+        return Ok(Run { key, value, absent: false });
     }
     let counts_as_none = metric
         .is_some_and(|metric| metric.absence == Absence::Good && metric.worst == Worst::Largest)

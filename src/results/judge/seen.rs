@@ -140,10 +140,14 @@ pub fn holds_undefined(comparison: &Comparison, unknown: bool) -> bool {
     }
 }
 
-/// The value that stands for a metric that does not exist: worse or better than any. `None` where neither is sure.
+/// The value that stands for a metric that does not exist: worse or better than any, of flags the worse or the better of the two.
+/// `None` where neither is sure.
 fn extreme(reference: &MetricReference) -> Option<f64> {
     let metric = reference.known()?;
+    let is_flag = metric.kind == MetricKind::Flag;
     match (metric.absence, metric.worst) {
+        (Absence::Bad, Worst::Largest) | (Absence::Good, Worst::Smallest) if is_flag => Some(1.0),
+        (Absence::Bad, Worst::Smallest) | (Absence::Good, Worst::Largest) if is_flag => Some(0.0),
         (Absence::Open, _) | (_, Worst::Neither) => None,
         (Absence::Bad, Worst::Largest) | (Absence::Good, Worst::Smallest) => Some(f64::INFINITY),
         (Absence::Bad, Worst::Smallest) | (Absence::Good, Worst::Largest) => Some(f64::NEG_INFINITY),

@@ -251,6 +251,8 @@ mod tests {
             metrics: vec![if open.is_some() { None } else { run.so_far }],
             critical: Default::default(),
             presences: Vec::new(),
+            waiting_steps: Vec::new(),
+            left_road: Vec::new(),
             cut_off: run.is_cut_off.then(|| Box::new(cut_off)),
             fingerprint: 0,
             wall_time: Duration::ZERO,

@@ -7,8 +7,8 @@ use super::error::ExperimentError;
 use super::evaluate;
 use super::needs::measured_by;
 use crate::plan::variables;
-use results::judge::{ValueSpan, open_runs};
-use results::{ClaimResult, ClaimValues, Conclusion, Outcome, StatementResult, TrendPoint};
+use results::judge::{ValueSpan, open_runs, untested_by};
+use results::{ClaimResult, ClaimValues, Conclusion, Outcome, StatementResult, TrendPoint, Untested};
 use scenario::{
     Assignment, DeclaredStanding, Measured, OutcomesOf, Quantity, Statement, StatementClaim,
     StatementClaimKind, Value, significant,
@@ -31,6 +31,7 @@ pub fn run_statement(
         _ if claims.iter().any(|claim| claim.holds == Some(false)) => Conclusion::NotReproduced,
         _ => match claims.iter().find_map(|claim| claim.undefined.clone()) {
             Some(reason) => Conclusion::NotComparable(reason),
+            None if claims.iter().any(|claim| claim.untested.is_some()) => Conclusion::Untested,
             None => Conclusion::Reproduced,
         },
     };
@@ -85,13 +86,28 @@ impl Court<'_> {
             Ok(None) => Err(self.cut_off(claim)?),
             Err(reason) => Err(reason),
         };
+        let untested = if holds == Ok(true) { self.untested(claim)? } else { None };
         Ok(ClaimResult {
             text: claim.text.clone(),
+            untested,
             holds: holds.as_ref().ok().copied(),
             undefined: holds.err(),
             values,
             unit,
         })
+    }
+
+    /// Why nothing was at stake in the runs that a claim measures.
+    fn untested(&self, claim: &StatementClaim) -> Result<Option<Untested>, ExperimentError> {
+        for measured in measured_by(claim) {
+            let Ok(runs) = self.runs(measured)? else { continue };
+            let outcomes: Vec<Outcome> = runs.iter().map(|(_, outcome)| (*outcome).clone()).collect();
+            let why = untested_by(measured.aggregate.metric(), &outcomes, self.context.requests());
+            if why.is_some() {
+                return Ok(why);
+            }
+        }
+        Ok(None)
     }
 
     /// Of how many runs that a claim rests on the end was not seen, when they ended and what that leaves open, in words.

@@ -6,11 +6,11 @@ use std::time::Instant;
 use super::build::{RunError, road_users};
 use super::cut_off::cut_off;
 use super::name::shared;
-use results::{ByMetric, Critical, CutOff, Outcome, Requests};
+use results::{ByMetric, Critical, CutOff, Outcome, PairPresence, Requests, WaitingStep};
 use scenario::{Case, World};
-use sim::measure::{FreeFlow, Measurement, Reading};
+use sim::measure::{FreeFlow, Measurement, Presence, Reading};
 use sim::{
-    Course, Ending, Fault, Fingerprint, GivenCommand, Observer, Progress, RunChange, Snapshot, Step,
+    Course, Ending, Fault, Fingerprint, GivenCommand, Observer, Progress, RunChange, Snapshot, Solid, Step,
     StopReason,
 };
 
@@ -82,6 +82,9 @@ impl RunningCase {
     /// If it has not come to its end.
     pub fn outcome(self, case: &Case) -> (Outcome, Vec<Vec<GivenCommand>>) {
         let Self { course, seen, begun, ended } = self;
+        let waiting = course.waiting_steps().into_iter();
+        let waiting_steps =
+            waiting.map(|(of, step)| WaitingStep { of: shared(of.name(&case.world)), step }).collect();
         let commands = course.into_commands();
         let ending = ended.expect("it has come to its end");
         let readings = seen.measurement.readings();
@@ -97,7 +100,9 @@ impl RunningCase {
             ending,
             metrics: readings.iter().map(|reading| reading.worst?.value).collect(),
             critical: critical(&case.world, &vehicles, &pedestrians, &readings),
-            presences: pedestrians.into_iter().zip(seen.measurement.presences()).collect(),
+            presences: presences(&case.world, &vehicles, &seen.measurement),
+            waiting_steps,
+            left_road: names_of(&vehicles, seen.measurement.left_road()),
             cut_off: cut_off.filter(|cut_off| *cut_off != CutOff::default()).map(Box::new),
             fingerprint: seen.fingerprint.value(),
             wall_time: begun.elapsed(),
@@ -106,8 +111,24 @@ impl RunningCase {
     }
 }
 
+/// The vehicles of these indices.
+fn names_of(vehicles: &[Arc<str>], which: impl Iterator<Item = usize>) -> Vec<Arc<str>> {
+    which.map(|index| vehicles[index].clone()).collect()
+}
+
 fn names<'a>(names: impl Iterator<Item = &'a String>) -> Vec<Arc<str>> {
     names.map(|name| shared(name)).collect()
+}
+
+/// What road users had to do with each other, by their names.
+fn presences(world: &World, vehicles: &[Arc<str>], measurement: &Measurement) -> Vec<PairPresence> {
+    let named = |(vehicle, other, presence): (usize, Solid, Presence)| PairPresence {
+        vehicle: vehicles[vehicle].clone(),
+        other: shared(other.name(world)),
+        of_vehicles: matches!(other, Solid::Vehicle(_)),
+        presence,
+    };
+    measurement.presences().into_iter().map(named).collect()
 }
 
 /// When and for whom the readings are what they are.

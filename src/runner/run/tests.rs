@@ -226,6 +226,8 @@ fn outcome(case: &Case) -> Outcome {
         metrics: Vec::new(),
         critical: Default::default(),
         presences: Vec::new(),
+        waiting_steps: Vec::new(),
+        left_road: Vec::new(),
         cut_off: Default::default(),
         fingerprint: 0,
         wall_time: Duration::ZERO,

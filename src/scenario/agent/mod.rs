@@ -6,6 +6,7 @@ mod mode;
 mod model_error;
 mod model_state;
 mod schedule;
+mod script_step;
 mod state;
 mod steered;
 
@@ -20,6 +21,7 @@ pub use mode::Mode;
 pub use model_error::{ModelError, Stated, StatedBy};
 pub use model_state::{ModelState, StateQuantity};
 pub use schedule::Schedule;
+pub use script_step::ScriptStep;
 pub use state::{Longitudinal, PedestrianState, Snapshot, VehicleState, velocity_inside};
 pub use steered::Steered;
 
@@ -48,6 +50,11 @@ pub trait Pedestrian: Send {
     /// nobody in a run is told.
     fn state(&self) -> Option<ModelState> {
         None
+    }
+
+    /// The steps of its script that have not begun, in order and as they are written. None, unless it follows a script.
+    fn waiting_steps(&self) -> Vec<ScriptStep> {
+        Vec::new()
     }
 }
 
@@ -146,6 +153,11 @@ pub trait Controller: Send {
     /// What it is up to, such as `emergency_stop`; shown in traces and timelines.
     fn mode(&self) -> Mode {
         Mode::NONE
+    }
+
+    /// The steps of its script that have not begun, in order and as they are written. None, unless it follows a script.
+    fn waiting_steps(&self) -> Vec<ScriptStep> {
+        Vec::new()
     }
 }
 

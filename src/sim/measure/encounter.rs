@@ -1,19 +1,21 @@
 //! What every metric of a pair needs to know, worked out once: contact, passings, time in the lane, time to collision.
 
 use nalgebra::Vector2;
-use serde::{Deserialize, Serialize};
 
-use super::events::{Passing, Visit, half_extent, lerp, rising};
+use super::edges::EdgeContact;
+use super::events::{Passing, Visit, half_extent, lerp, part_within, rising};
 use super::followed::{Followed, FollowedDrop, FollowedJerk};
 use super::jerk::Jerk;
 use super::passage::Passage;
+use super::presence::{Closeness, Presence, PresenceMeter, PresenceStep, STANDSTILL};
 use super::speed_drop::SpeedDrop;
 use super::steered_pair::{SteeredWay, WalkedWay};
+use super::vehicle_pair::VehiclePair;
 use crate::clear_ahead::ContactAhead;
 use crate::geometry::Footprint;
 use crate::turning::touched_between;
 use crate::{PedestrianState, Solid, Step, VehicleState};
-use scenario::{Appearance, Located, Side, VehicleSetup, World};
+use scenario::{Located, Side, VehicleSetup, World};
 
 /// The encounters of every vehicle with every pedestrian of a run.
 pub struct Encounters {
@@ -23,8 +25,8 @@ pub struct Encounters {
     /// Vehicle by vehicle.
     pairs: Vec<Encounter>,
     pedestrians: usize,
-    /// Which pedestrians are sent to meet a vehicle.
-    sent: Vec<bool>,
+    /// Vehicles that a criterion names together.
+    vehicle_pairs: Vec<VehiclePair>,
     /// The ways of vehicles that may be steered; `None` of the others.
     steered: Vec<Option<SteeredWay>>,
     /// Those of pedestrians, where a vehicle may be steered.
@@ -32,22 +34,9 @@ pub struct Encounters {
     /// Touches of a vehicle and another or a box, in order.
     others: Vec<(usize, Solid, Contact)>,
     followed: Followed,
+    /// Whether the bodies of vehicles leave their carriageways, of those on roads with kerbs.
+    edges: Vec<EdgeContact>,
 }
-
-/// What a pedestrian did at all in a run.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Presence {
-    /// They entered the world before the run ended.
-    pub appeared: bool,
-    /// Came into a vehicle's lane, or appeared in it.
-    pub entered: bool,
-    /// Was in a vehicle's lane while that vehicle was within [`MEETING_TIME`] of it, or touched one, or was sent to meet one: who stops long
-    /// before somebody that it would have hit has avoided a contact.
-    pub met: bool,
-}
-
-/// Whoever is in a vehicle's lane when it is no more than so many seconds away, before or after, shares a conflict with it.
-pub const MEETING_TIME: f64 = 5.0;
 
 /// One vehicle and one pedestrian.
 ///
@@ -60,8 +49,6 @@ pub struct Encounter {
     half_lane: f64,
     /// Whether the pedestrian's way leads across the vehicle's lane. Who walks along it passes nothing of it.
     pub crosses: bool,
-    /// Whether who walks along the lane was in it.
-    was_in_lane: bool,
     /// When the pedestrian appeared, s.
     pub appeared: Option<f64>,
     /// The first touch of the footprints.
@@ -83,8 +70,7 @@ pub struct Encounter {
     pub places: Option<(Located, Located)>,
     /// The strip where the pedestrian lies at the end of that step, as distances beside the path as [`Located::beside`] counts them, m.
     pub strip: (f64, f64),
-    /// As [`Presence::met`], but for contact.
-    near: bool,
+    presence: PresenceMeter,
 }
 
 /// How long it takes two to touch who go on as they do.
@@ -139,7 +125,6 @@ impl Encounters {
                 .unwrap_or(world.pedestrians[pedestrian].side),
             half_lane: world.road_of(car).lane_width / 2.0,
             crosses: world.crosses_from(&world.pedestrians[pedestrian], car).is_some(),
-            was_in_lane: false,
             appeared: None,
             contact: None,
             passings: Vec::with_capacity(EXPECTED_EVENTS),
@@ -154,7 +139,7 @@ impl Encounters {
             }),
             places: None,
             strip: (0.0, 0.0),
-            near: false,
+            presence: PresenceMeter::default(),
         };
         let pedestrians = world.pedestrians.len();
         Self {
@@ -167,11 +152,7 @@ impl Encounters {
                 .map(encounter)
                 .collect(),
             pedestrians,
-            sent: world
-                .pedestrians
-                .iter()
-                .map(|one| matches!(one.appears, Appearance::Meeting { .. }))
-                .collect(),
+            vehicle_pairs: followed.vehicle_pairs().iter().map(|pair| VehiclePair::new(world, *pair)).collect(),
             steered: world.vehicles.iter().map(|car| car.may_steer().then(SteeredWay::default)).collect(),
             walked: match world.vehicles.iter().any(VehicleSetup::may_steer) {
                 true => vec![WalkedWay::default(); pedestrians],
@@ -179,6 +160,13 @@ impl Encounters {
             },
             others: Vec::new(),
             followed,
+            edges: world
+                .vehicles
+                .iter()
+                .enumerate()
+                .filter(|(_, car)| world.road_of(car).kerbs)
+                .map(|(index, car)| EdgeContact::new(world, index, car.length / 2.0))
+                .collect(),
         }
     }
 
@@ -197,19 +185,33 @@ impl Encounters {
         &self.pairs[vehicle * self.pedestrians + pedestrian]
     }
 
-    /// One per pedestrian.
-    pub fn presences(&self) -> Vec<Presence> {
-        let of = |pedestrian: usize| {
-            let pairs = || self.pairs.iter().skip(pedestrian).step_by(self.pedestrians);
-            let appeared = pairs().any(|pair| pair.appeared.is_some());
-            let sent = appeared && self.sent[pedestrian];
-            Presence {
-                appeared,
-                entered: pairs().any(|pair| pair.first_entry.is_some() || pair.was_in_lane),
-                met: sent || pairs().any(|pair| pair.near || pair.contact.is_some()),
-            }
-        };
-        (0..self.pedestrians).map(of).collect()
+    /// How many vehicles and how many pedestrians there are.
+    pub fn counts(&self) -> (usize, usize) {
+        (self.passages.len(), self.pedestrians)
+    }
+
+    /// What a vehicle and a pedestrian had to do with each other, by their indices in the world.
+    pub fn presence(&self, vehicle: usize, pedestrian: usize) -> Presence {
+        let pair = self.pair(vehicle, pedestrian);
+        let seen = pair.presence.presence();
+        match pair.contact {
+            Some(_) => Presence { closest: Closeness::Touched, ..seen },
+            None => seen,
+        }
+    }
+
+    /// What the vehicles had to do with each other that a criterion names together, with their indices in the world.
+    pub fn vehicle_presences(&self) -> impl Iterator<Item = ((usize, usize), Presence)> {
+        self.vehicle_pairs.iter().map(|pair| {
+            let (one, other) = pair.vehicles;
+            let touched = self.contact(one, Solid::Vehicle(other)).is_some();
+            (pair.vehicles, pair.presence(&self.passages, touched))
+        })
+    }
+
+    /// The indices of the vehicles whose bodies left their carriageways.
+    pub fn left_road(&self) -> impl Iterator<Item = usize> {
+        self.edges.iter().filter(|edge| edge.first().is_some()).map(EdgeContact::vehicle)
     }
 
     /// When the vehicle of this index reached which place.
@@ -256,6 +258,7 @@ impl Encounters {
     /// Follows a step.
     pub fn observe(&mut self, step: &Step) {
         self.followed.observe(step);
+        self.edges.iter_mut().for_each(|edge| edge.observe(step));
         for touch in step.contacts.iter().filter(|touch| touch.begins) {
             let Solid::Vehicle(vehicle) = touch.first else { continue };
             let contact = Contact {
@@ -284,8 +287,11 @@ impl Encounters {
             let (vehicle, pedestrian) = (index / self.pedestrians, index % self.pedestrians);
             if step.before.pedestrians[pedestrian].present {
                 pair.observe(step, vehicle, pedestrian);
-                pair.look_for_meeting(step, (vehicle, self.fastest[vehicle]), pedestrian);
+                pair.follow_presence(step, vehicle, pedestrian, self.fastest[vehicle] > STANDSTILL);
             }
+        }
+        for pair in &mut self.vehicle_pairs {
+            pair.observe(step, &self.fastest);
         }
     }
 
@@ -354,7 +360,6 @@ impl Encounter {
         self.places = Some(places);
         self.strip = strip(car, &places.1);
         if !self.crosses {
-            self.was_in_lane |= places.1.beside.abs() < self.half_lane;
             return;
         }
         // Who is so far inside a bend that nobody knows which part of it is meant passes nothing of it.
@@ -402,21 +407,16 @@ impl Encounter {
         }
     }
 
-    /// Whether the pedestrian is in the lane within [`MEETING_TIME`] of the vehicle, by the way between their footprints
-    /// along the lane and the largest speed that the vehicle has had: one that brakes or stands because somebody comes is
-    /// no farther away for it.
-    fn look_for_meeting(&mut self, step: &Step, (vehicle, fastest): (usize, f64), pedestrian: usize) {
-        let (car, person) = (&step.after.vehicles[vehicle], &step.after.pedestrians[pedestrian]);
-        if self.near {
-            return;
-        }
-        let Some((_, place)) = self.places else { return };
-        if place.beside.abs() >= self.half_lane {
-            return;
-        }
-        let apart =
-            (place.along - car.motion.travelled).abs() - car.length / 2.0 - half_extent(person, &place).x;
-        self.near = apart <= fastest * MEETING_TIME;
+    fn follow_presence(&mut self, step: &Step, vehicle: usize, pedestrian: usize, has_moved: bool) {
+        let Some(places) = self.places else { return };
+        self.presence.observe(&PresenceStep {
+            vehicle: (&step.before.vehicles[vehicle], &step.after.vehicles[vehicle]),
+            pedestrian: &step.after.pedestrians[pedestrian],
+            places,
+            half_lane: self.half_lane,
+            strip: self.strip,
+            has_moved,
+        });
     }
 
     /// Stays of the footprint in the strip that the vehicle sweeps.
@@ -491,29 +491,4 @@ pub fn strip(car: &VehicleState, place: &Located) -> (f64, f64) {
     }
     let (right, left) = car.path.swept(place.along, (car.length, car.width));
     place.borders(right, left)
-}
-
-/// The part of the way from `from` to `to` that lies inside two borders, as shares of the way.
-pub fn part_within(from: f64, to: f64, (low, high): (f64, f64)) -> Option<(f64, f64)> {
-    if from == to {
-        return (low < from && from < high).then_some((0.0, 1.0));
-    }
-    let (one, other) = ((low - from) / (to - from), (high - from) / (to - from));
-    let (enter, leave) = (one.min(other).max(0.0), one.max(other).min(1.0));
-    (enter < leave).then_some((enter, leave))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn parts_of_a_step_within_a_band() {
-        assert_eq!(part_within(-3.0, -1.0, (-2.0, 2.0)), Some((0.5, 1.0)));
-        assert_eq!(part_within(1.0, 5.0, (-2.0, 2.0)), Some((0.0, 0.25)));
-        assert_eq!(part_within(-4.0, 4.0, (-2.0, 2.0)), Some((0.25, 0.75)));
-        assert_eq!(part_within(1.0, 1.0, (-2.0, 2.0)), Some((0.0, 1.0)));
-        assert_eq!(part_within(2.0, 2.0, (-2.0, 2.0)), None);
-        assert_eq!(part_within(3.0, 5.0, (-2.0, 2.0)), None);
-    }
 }

@@ -10,6 +10,7 @@ pub struct Followed {
     jerks: Vec<Jerk>,
     drops: Vec<SpeedDrop>,
     looks_ahead: bool,
+    vehicles: Vec<(usize, usize)>,
 }
 
 /// A jerk that is followed.
@@ -42,6 +43,17 @@ impl Followed {
     /// Times to collision.
     pub fn look_ahead(&mut self) {
         self.looks_ahead = true;
+    }
+
+    /// What two vehicles have to do with each other.
+    pub(super) fn vehicle_pair(&mut self, pair: (usize, usize)) {
+        if !self.vehicles.contains(&pair) {
+            self.vehicles.push(pair);
+        }
+    }
+
+    pub(super) fn vehicle_pairs(&self) -> &[(usize, usize)] {
+        &self.vehicles
     }
 
     pub(super) fn looks_ahead(&self) -> bool {

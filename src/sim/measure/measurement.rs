@@ -2,8 +2,9 @@
 
 use std::cell::RefCell;
 
-use super::encounter::{Encounters, Presence};
+use super::encounter::Encounters;
 use super::followed::Followed;
+use super::presence::Presence;
 use super::{Absence, BuildMeter, End, FreeFlow, InStep, Meter, MetricContext, Open, Scope, Worst};
 use crate::{Ending, Observer, Snapshot, Solid, Step, StopReason};
 use scenario::{MetricReference, World};
@@ -75,6 +76,9 @@ impl Measurement {
             let settings = metric.declaration.resolve(&reference.settings).expect("settings were checked");
             let concerned = subjects(metric.scope, world).filter(|one| concerns(reference, world, *one));
             let concerned: Vec<Subject> = concerned.collect();
+            if let Some(pair) = named_vehicles(reference, world) {
+                followed.borrow_mut().vehicle_pair(pair);
+            }
             meters.extend(concerned.iter().map(|(vehicle, with)| {
                 let pedestrian = pedestrian(*with);
                 build(&MetricContext {
@@ -139,9 +143,20 @@ impl Measurement {
         self.encounters.contact(vehicle, with).is_some()
     }
 
-    /// Whether each pedestrian appeared, and came into a vehicle's lane.
-    pub fn presences(&self) -> Vec<Presence> {
-        self.encounters.presences()
+    /// The indices of the vehicles whose bodies left their carriageways.
+    pub fn left_road(&self) -> impl Iterator<Item = usize> {
+        self.encounters.left_road()
+    }
+
+    /// What every vehicle and pedestrian had to do with each other, and the vehicles that a request names together.
+    pub fn presences(&self) -> Vec<(usize, Solid, Presence)> {
+        let (vehicles, people) = self.encounters.counts();
+        let pairs = (0..vehicles).flat_map(|vehicle| (0..people).map(move |person| (vehicle, person)));
+        let people = pairs.map(|(vehicle, person)| {
+            (vehicle, Solid::Pedestrian(person), self.encounters.presence(vehicle, person))
+        });
+        let named = self.encounters.vehicle_presences();
+        people.chain(named.map(|((one, other), presence)| (one, Solid::Vehicle(other), presence))).collect()
     }
 }
 
@@ -267,6 +282,13 @@ fn subjects(scope: Scope, world: &World) -> impl Iterator<Item = Subject> {
         }
     };
     vehicles.into_iter().flat_map(move |vehicle| with(vehicle).into_iter().map(move |with| (vehicle, with)))
+}
+
+/// The two vehicles that a reference names together.
+fn named_vehicles(reference: &MetricReference, world: &World) -> Option<(usize, usize)> {
+    let (one, other) = reference.pair.as_ref()?;
+    let index = |name: &str| world.vehicles.iter().position(|vehicle| vehicle.name == *name);
+    Some((index(one)?, index(other)?))
 }
 
 fn concerns(reference: &MetricReference, world: &World, (vehicle, with): Subject) -> bool {

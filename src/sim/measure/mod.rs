@@ -3,15 +3,18 @@
 //! What each metric that ships means stands beside the models; here is what all of them are read off.
 
 mod details;
+mod edges;
 mod encounter;
 mod events;
 mod followed;
 mod jerk;
 mod measurement;
 mod passage;
+mod presence;
 mod sliding;
 mod speed_drop;
 mod steered_pair;
+mod vehicle_pair;
 
 use std::cell::RefCell;
 
@@ -24,14 +27,14 @@ use scenario::{Absence, Meters, Scope, Settings, World, Worst};
 pub use details::{
     PairDetails, PassingTimes, PersonDetails, RecordedDetails, RunDetails, StepReadings, VisitTimes,
 };
-pub use encounter::{
-    Contact, Encounter, Encounters, Entry, LaneCrossing, MEETING_TIME, Presence, part_within, strip,
-};
-pub use events::{Passing, Visit, half_extent, half_extent_along, lerp, rising};
+pub use edges::EdgeContact;
+pub use encounter::{Contact, Encounter, Encounters, Entry, LaneCrossing, strip};
+pub use events::{Passing, Visit, half_extent, half_extent_along, least_of, lerp, part_within, rising};
 pub use followed::{Followed, FollowedDrop, FollowedJerk};
 pub use jerk::Jerk;
 pub use measurement::{Measurement, Reading, SubjectValue};
 pub use passage::{Passage, Reached};
+pub use presence::{Closeness, MEETING_TIME, Presence};
 pub use speed_drop::SpeedDrop;
 
 /// Builds the meter of one subject.

@@ -234,7 +234,7 @@ impl RecordedTrial {
 mod tests {
     use super::*;
     use scenario::{
-        Absence, Declaration, Dimension, Meters, MetricKind, MetricRange, Parameter, Scope, Value, Worst,
+        Absence, Declaration, Dimension, Meters, MetricKind, MetricRange, Parameter, Scope, Stake, Value, Worst,
     };
 
     fn parameter(name: &'static str) -> Parameter {
@@ -251,6 +251,7 @@ mod tests {
             worst: Worst::Largest,
             absence: Absence::Open,
             range: MetricRange::NotNegative,
+            stake: Stake::Motion,
             meters: Meters::new(()),
         };
         RecordedMetric {

@@ -3,12 +3,13 @@
 use std::time::Duration;
 
 use super::*;
-use crate::{Cut, CutBy, CutOff, Standing, Stopping, TrialVerdict, Unfinished, UnitError};
+use crate::judge::judge;
+use crate::{Cut, CutBy, CutOff, PairPresence, Standing, Stopping, TrialVerdict, Unfinished, UnitError};
 use scenario::{
     Assignment, Expression, Origin, PointsCriterion, Relation, Scoring, TagPoints, Weight, WeightedValues,
 };
 use sim::Ending;
-use sim::measure::{Open, Presence};
+use sim::measure::{Closeness, Open, Presence};
 
 const KM_H: f64 = 1.0 / 3.6;
 
@@ -66,7 +67,6 @@ fn requests() -> Requests {
 
 /// A run that ended with everybody across and this speed of impact, km/h.
 fn outcome(speed: Option<f64>) -> Outcome {
-    let presence = Presence { appeared: true, entered: true, met: true };
     Outcome {
         key: "s/a/rep=1".into(),
         seed: 1,
@@ -75,7 +75,14 @@ fn outcome(speed: Option<f64>) -> Outcome {
         ending: Ending { reason: StopReason::Completed, time: 20.0 },
         metrics: vec![speed.map(|speed| speed * KM_H)],
         critical: Default::default(),
-        presences: vec![("dummy".into(), presence)],
+        presences: vec![PairPresence {
+            vehicle: "av".into(),
+            other: "dummy".into(),
+            of_vehicles: false,
+            presence: Presence { closest: Closeness::Met, moved: true, passed: false },
+        }],
+        waiting_steps: Vec::new(),
+        left_road: Vec::new(),
         cut_off: Default::default(),
         fingerprint: 0,
         wall_time: Duration::ZERO,
@@ -100,8 +107,7 @@ fn trial(tag: &str, pace: f64, outcomes: Vec<Outcome>) -> TrialReport {
         declared: 0,
         origin: Origin::default(),
     };
-    let verdict =
-        TrialVerdict { verdict: Verdict::Passed, findings: Vec::new(), stopping: None, horizon: None };
+    let verdict = judge(&[], &[], &Requests::default());
     TrialReport {
         trial: Arc::new(trial),
         outcomes,
@@ -225,14 +231,11 @@ fn cells_that_were_left_out_leave_it_unjudged() {
 #[test]
 fn a_run_without_contact_in_which_nothing_could_happen_is_not_green() {
     let run = |change: fn(&mut Outcome)| with(1, |trial| change(&mut trial.outcomes[0]));
-    let report =
-        run(|outcome| outcome.presences[0].1 = Presence { appeared: false, entered: false, met: false });
+    let report = run(|outcome| outcome.presences[0].presence.closest = Closeness::Absent);
     assert_not_assessed(&report, "nobody appeared");
-    let report =
-        run(|outcome| outcome.presences[0].1 = Presence { appeared: true, entered: false, met: false });
-    assert_not_assessed(&report, "nobody came into a lane");
-    let report =
-        run(|outcome| outcome.presences[0].1 = Presence { appeared: true, entered: true, met: false });
+    let report = run(|outcome| outcome.presences[0].presence.closest = Closeness::Abreast);
+    assert_not_assessed(&report, "no pedestrian came into the way of a vehicle");
+    let report = run(|outcome| outcome.presences[0].presence.closest = Closeness::InTheWay);
     assert_not_assessed(&report, "nothing was at stake");
     let report = run(|outcome| outcome.ending.reason = StopReason::Collision);
     assert_not_assessed(&report, "a contact ended");
@@ -287,7 +290,7 @@ fn the_worst_run_of_a_cell_counts() {
     assert_eq!((*weight, *value, *absent, *runs), (0.5, Some(8.0 * KM_H), false, 4));
     // One run of which nothing is known could have been the worst.
     let mut unknown = outcome(None);
-    unknown.presences[0].1.appeared = false;
+    unknown.presences[0].presence.closest = Closeness::Absent;
     let report = with(2, |trial| trial.outcomes = vec![outcome(Some(50.0)), unknown]);
     assert_not_assessed(&report, "nobody appeared");
 }

@@ -114,7 +114,7 @@ impl<'a> Watch<'a> {
                 None => Reason::Budget,
             },
         });
-        TrialVerdict { stopping, ..TrialVerdict::of(findings, criteria, outcomes) }
+        TrialVerdict { stopping, ..TrialVerdict::of(findings, criteria, &evidence) }
     }
 }
 

@@ -85,6 +85,8 @@ fn outcomes(values: impl IntoIterator<Item = Option<f64>>) -> Vec<Outcome> {
         metrics: vec![value],
         critical: Default::default(),
         presences: Vec::new(),
+        waiting_steps: Vec::new(),
+        left_road: Vec::new(),
         cut_off: Default::default(),
         fingerprint: 0,
         wall_time: Duration::ZERO,

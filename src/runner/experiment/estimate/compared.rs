@@ -99,6 +99,7 @@ impl<'a> Compared<'a> {
             hits: second.hits,
             undecided,
             cut_off,
+            encounters: sampled.told.met_others,
             refusals: second.refusals.iter().map(|one| in_words(one, second)).collect(),
             only_here: paired.only_first.hits,
             only_there: paired.only_second.hits,

@@ -37,8 +37,11 @@ pub fn conclude(
         |(share, index): &(f64, usize)| Ok(EstimatedCluster { share: *share, run: hits.run(*index, cases)? });
     let clusters: Vec<EstimatedCluster> =
         seen.take(MOST_RUNS).map(cluster).collect::<Result<_, ExperimentError>>()?;
-    let nothing_seen = sampled.nothing_seen(0, &block.scenario);
-    let nothing_seen_there = block.compared_with.as_ref().and_then(|with| sampled.nothing_seen(1, with));
+    let of_nothing = |which: usize, scenario: &str| {
+        sampled.nothing_seen(which, scenario).or_else(|| sampled.nothing_met(which, scenario))
+    };
+    let nothing_seen = of_nothing(0, &block.scenario);
+    let nothing_seen_there = block.compared_with.as_ref().and_then(|with| of_nothing(1, with));
     let refusals = estimate.refusals.iter().map(|one| in_words(one, &estimate));
     let refusals: Vec<String> = refusals.chain(nothing_seen.clone()).collect();
     let exposure = block.exposure.as_ref();
@@ -85,6 +88,7 @@ pub fn conclude(
         hits: estimate.hits,
         undecided: told.undecided,
         cut_off: told.cut_off,
+        encounters: told.met,
         effective_size: estimate.effective_size,
         largest_share: estimate.largest_share,
         contradiction: estimate.contradiction,

@@ -23,7 +23,7 @@ use numbers::rare::{
 };
 use rayon::prelude::*;
 use record::EstimateRecord;
-use results::judge::{Seen, cut_off_runs};
+use results::judge::{Seen, cut_off_runs, has_encounter};
 use results::{EstimateResult, Outcome, Requests};
 use sampled::{Sampled, Told};
 use scenario::{Case, Estimate, EstimateMethod, Scenario, Worst};
@@ -190,6 +190,7 @@ impl Runs<'_> {
             Some(if worst == Some(Worst::Largest) { -value } else { value })
         });
         let cut_off = !may && cut_off_runs(&self.block.event.metric, [outcome]) > 0;
-        ScoredRun { event: may, undecided: may && !must, cut_off, score }
+        let encounter = has_encounter(&self.block.event, outcome, requests);
+        ScoredRun { event: may, undecided: may && !must, cut_off, encounter, score }
     }
 }

@@ -9,7 +9,7 @@ use super::super::journal_file::journal_file;
 use super::scored_run::{ScoredEncounter, ScoredRun};
 use files::{Log, LogError, LogFormat};
 
-const FORMAT: LogFormat = LogFormat { name: "scenario-runner journal of an estimate", version: 1 };
+const FORMAT: LogFormat = LogFormat { name: "scenario-runner journal of an estimate", version: 2 };
 
 /// Runs one after the other.
 #[derive(Serialize, Deserialize)]

@@ -30,6 +30,9 @@ pub struct Told {
     pub cut_off: usize,
     pub undecided_others: usize,
     pub cut_off_others: usize,
+    /// Runs in which anything was at stake.
+    pub met: usize,
+    pub met_others: usize,
 }
 
 impl Told {
@@ -45,6 +48,8 @@ impl Told {
             self.cut_off += seen.iter().filter(|one| one.own.cut_off).count();
             self.undecided_others += others().filter(|one| one.undecided).count();
             self.cut_off_others += others().filter(|one| one.cut_off).count();
+            self.met += seen.iter().filter(|one| one.own.encounter).count();
+            self.met_others += others().filter(|one| one.encounter).count();
         }
     }
 
@@ -104,6 +109,15 @@ impl Sampled<'_> {
             format!(
                 "{cut_off} of {of} runs of `{scenario}`{kind} ended before the end of what the event is about was seen: raise its `horizon`"
             )
+        })
+    }
+
+    /// Why nothing that is claimed is shown: in no run of a scenario (as in [`Self::nothing_seen`]) was anything at stake.
+    pub fn nothing_met(&self, which: usize, scenario: &str) -> Option<String> {
+        let met = if which == 0 { self.told.met } else { self.told.met_others };
+        let counted = self.told.encounters() - self.told.pilot;
+        (met == 0).then(|| {
+            format!("none of {counted} runs of `{scenario}` had an encounter: nothing that the event is about was at stake")
         })
     }
 

@@ -14,6 +14,8 @@ pub struct ScoredRun {
     /// Whether it has not the event, and ended before the end of what that is about was seen.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub cut_off: bool,
+    /// Whether anything that the event is about was at stake.
+    pub encounter: bool,
     /// How far it was from the event, the less the nearer; `None` where the metric says nothing.
     pub score: Option<f64>,
 }
@@ -27,7 +29,8 @@ pub struct ScoredEncounter {
 
 impl ScoredRun {
     /// Of a point that nobody draws.
-    pub const NOBODY: Self = Self { event: false, undecided: false, cut_off: false, score: None };
+    pub const NOBODY: Self =
+        Self { event: false, undecided: false, cut_off: false, encounter: false, score: None };
 
     fn distance(self) -> f64 {
         self.score.unwrap_or(f64::INFINITY)

@@ -34,6 +34,8 @@ fn outcomes(context: &Context, came: &[Came]) -> Vec<Outcome> {
             metrics: vec![value; count],
             critical: ByMetric::default(),
             presences: Vec::new(),
+            waiting_steps: Vec::new(),
+            left_road: Vec::new(),
             cut_off: Some(Box::new(CutOff { open: (0..count).map(|_| open).collect(), ..CutOff::default() })),
             fingerprint: 0,
             wall_time: Duration::ZERO,

@@ -3,6 +3,7 @@
 mod budget;
 mod drawn;
 mod lanes;
+mod signals;
 mod single;
 mod trials;
 mod trivial;
@@ -18,5 +19,6 @@ pub fn examine_claims(suite: &Suite, sources: &Sources) -> Vec<Diagnostic> {
     found.extend(single::examine_single_runs(suite, sources));
     found.extend(drawn::examine_drawn(suite, sources));
     found.extend(lanes::examine_lanes(suite, sources));
+    found.extend(signals::examine_signals(suite, sources));
     found
 }

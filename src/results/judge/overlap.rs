@@ -1,0 +1,43 @@
+//! Times between two centres that pass although the bodies were in the shared area at the same time.
+
+use crate::{Finding, Outcome, Requests, Verdict};
+use scenario::{Criterion, MetricReference};
+
+/// The time between the centres, and that between the bodies.
+const PET: &str = "pet";
+const PET_AREA: &str = "pet_area";
+
+/// Says of each finding on `pet` that passed in how many runs the bodies used the shared area at the same time.
+pub(super) fn mark(
+    findings: &mut [Finding],
+    criteria: &[Criterion],
+    outcomes: &[Outcome],
+    requests: &Requests,
+) {
+    let is_plain = |one: &MetricReference| one.pair.is_none() && one.settings.0.is_empty();
+    let Some(area) = requests.iter().position(|one| one.name() == PET_AREA && is_plain(one)) else { return };
+    for (finding, criterion) in findings.iter_mut().zip(criteria) {
+        let reference = criterion.claim.metric();
+        if reference.name() != PET || finding.verdict != Verdict::Passed {
+            continue;
+        }
+        let Some(own) = requests.index(reference) else { continue };
+        let overlaps = |outcome: &&Outcome| {
+            let [centres, bodies] = [own, area].map(|index| outcome.metrics.get(index).copied().flatten());
+            centres.is_some_and(|time| time > 0.0) && bodies == Some(0.0) && is_about(reference, outcome, area)
+        };
+        finding.overlapping = outcomes.iter().filter(overlaps).count();
+    }
+}
+
+/// Whether the pair of which the time between bodies is the smallest is one that a reference is about.
+fn is_about(reference: &MetricReference, outcome: &Outcome, area: usize) -> bool {
+    let Some((vehicle, _)) = &reference.pair else { return true };
+    match outcome.critical.get(area) {
+        Some(critical) => {
+            critical.vehicle.as_deref() == Some(vehicle)
+                && critical.pedestrian.as_deref().is_some_and(|name| reference.is_of(name))
+        }
+        None => outcome.presences.len() == 1,
+    }
+}
