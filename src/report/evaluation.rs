@@ -4,8 +4,8 @@ use std::fmt::Write;
 
 use super::columns::columns;
 use super::format::in_written_unit;
-use results::judge::cut_off_runs;
 use super::wording::untested_words;
+use results::judge::cut_off_runs;
 use results::{ConditionResult, Difference, EvaluateResult, ParameterValue, UntestedMeasures};
 use scenario::{Aggregate, Notation, Target};
 

@@ -11,9 +11,10 @@ use std::time::{Duration, SystemTime};
 use blocks::{blocks, found, tuned};
 pub use blocks::{calibration, evaluation, search_result, statement};
 use results::{
-    BlockReport, BlockResult, BlockState, Critical, Cut, Outcome, PairPresence, Program, Reason, Recorded, RecordedReport,
-    RecordedState, Requests, Rerun, Results, RunsTaken as Stopped, Skip, Stopping, SuiteIdentity,
-    SuiteReport, TrialReport, TrialState, TrialVerdict, Untested, UntestedPair, Verdict, choose_runs,
+    BlockReport, BlockResult, BlockState, Critical, Cut, Outcome, PairPresence, Program, Reason, Recorded,
+    RecordedReport, RecordedState, Requests, Rerun, Results, RunsTaken as Stopped, Skip, Stopping,
+    SuiteIdentity, SuiteReport, TrialReport, TrialState, TrialVerdict, Untested, UntestedPair, Verdict,
+    choose_runs,
 };
 pub use trials::person;
 use trials::{course, trial, word};

@@ -13,8 +13,8 @@ use super::rating::{
     RatingTable, cells_in_words, points_in_words, points_rows, rating_mark, rating_notes, render_rating,
 };
 use super::wording::{
-    closest_calls, interruption, judged_words, nearest_run, nothing_claimed, observed, stopping,
-    not_as_declared, trial_warnings, untested, verdict_mark, verdict_word,
+    closest_calls, interruption, judged_words, nearest_run, not_as_declared, nothing_claimed, observed,
+    stopping, trial_warnings, untested, verdict_mark, verdict_word,
 };
 use super::wording::{recorded_remark, several_claims};
 use super::{Repository, expect_every_trial};

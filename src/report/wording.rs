@@ -6,9 +6,10 @@ use super::chart::Rule;
 use super::format::{count, in_notation, quantity, share};
 use results::judge::{PerRun, judge};
 use results::{
-    BlockReport, BlockState, Finding, FindingMeasure, Horizon, LeftRoad, NearestRun, OnCourse, Outcome, Reason,
-    RecordedReport, RecordedState, Regarding, Requests, RunsTaken, ScenarioSummary, Skip, Standing,
-    SuiteReport, TrialReport, TrialState, TrialVerdict, UnitReport, Untested, UntestedPair, Verdict, WaitingStep, WorstRun,
+    BlockReport, BlockState, Finding, FindingMeasure, Horizon, LeftRoad, NearestRun, OnCourse, Outcome,
+    Reason, RecordedReport, RecordedState, Regarding, Requests, RunsTaken, ScenarioSummary, Skip, Standing,
+    SuiteReport, TrialReport, TrialState, TrialVerdict, UnitReport, Untested, UntestedPair, Verdict,
+    WaitingStep, WorstRun,
 };
 use scenario::{Comparison, Keep, MetricKind, Notation, People, Relation, Search, Stake, significant};
 use sim::measure::Closeness;

@@ -51,9 +51,8 @@ impl EvaluateResult {
             for measure in &self.measures {
                 let metric = measure.aggregate.metric();
                 let Some(reason) = untested_by(metric, &outcomes, &Requests::default()) else { continue };
-                let is_it = |one: &&mut UntestedMeasures| {
-                    one.condition == condition.name && one.reason == reason
-                };
+                let is_it =
+                    |one: &&mut UntestedMeasures| one.condition == condition.name && one.reason == reason;
                 match found.iter_mut().find(is_it) {
                     Some(known) => known.measures.push(measure.text.clone()),
                     None => found.push(UntestedMeasures {

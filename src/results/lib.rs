@@ -103,7 +103,9 @@ pub use suite::{
 pub use summary::{
     AppliedCriteria, MOST_SHOWN, NearestRun, PassedTrial, ScenarioSummary, StandingCount, SuiteSummary,
 };
-pub use trial::{CourseOfRun, Horizon, LeftRoad, Reason, RunsTaken, Stranded, TrialReport, TrialState, TrialVerdict};
+pub use trial::{
+    CourseOfRun, Horizon, LeftRoad, Reason, RunsTaken, Stranded, TrialReport, TrialState, TrialVerdict,
+};
 pub use tune::{BeforeAndAfter, Candidate, TuneResult, Violations};
 pub use unit_error::{RunFault, UnitError};
 pub use verdict::Verdict;

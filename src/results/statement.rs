@@ -130,7 +130,9 @@ impl StatementResult {
         self.surprise().or_else(|| {
             let claim = self.claims.iter().find(|claim| claim.untested.is_some())?;
             let untested = self.conclusion == Conclusion::Untested;
-            untested.then(|| format!("`{}` is untested: nothing was at stake in the runs that it measures", claim.text))
+            untested.then(|| {
+                format!("`{}` is untested: nothing was at stake in the runs that it measures", claim.text)
+            })
         })
     }
 }

@@ -21,8 +21,8 @@ use super::start::{placed, waiting_outside};
 use super::wait_for_green::WaitForGreen;
 use super::way::{Way, walked};
 use scenario::agent::{
-    Command, ControllerError, Mode, Motion, Observation, Pedestrian, PedestrianState, Scene, ScriptStep, Snapshot,
-    VehicleState,
+    Command, ControllerError, Mode, Motion, Observation, Pedestrian, PedestrianState, Scene, ScriptStep,
+    Snapshot, VehicleState,
 };
 use scenario::{Appearance, Path, PedestrianSetup, VehicleReference, VehicleSetup, World};
 

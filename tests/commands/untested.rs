@@ -5,7 +5,8 @@ use std::path::Path;
 use crate::support::program::{scenario_runner, stderr, stdout};
 
 /// A zebra with a lane each way.
-const ROAD: &str = "road r { lanes forward, backward; lane_width 3.5 m; speed_limit 50 km/h; crossing zebra }\n";
+const ROAD: &str =
+    "road r { lanes forward, backward; lane_width 3.5 m; speed_limit 50 km/h; crossing zebra }\n";
 
 /// What a run of `text` says, and with which code it ends where untested criteria are denied.
 fn denied(text: &str, more: &[&str]) -> (Option<i32>, String) {
@@ -84,7 +85,9 @@ fn a_person_who_never_appears_tests_nothing() {
         format!("scenario s {{ road r; {AV} {walker} expect {{ {criteria} }} }}")
     };
     let absent = "`walker` did not appear in the run";
-    for criteria in ["no collision(av)", "impact_speed(av) <= 1 m/s", "rate(collision(av)) <= 0 %", "no collision"] {
+    for criteria in
+        ["no collision(av)", "impact_speed(av) <= 1 m/s", "rate(collision(av)) <= 0 %", "no collision"]
+    {
         assert_untested(&of(criteria), &[absent]);
     }
     assert_untested(&of("max_deceleration <= 9 m/s^2"), &["did not move while a pedestrian was"]);
@@ -159,8 +162,10 @@ fn estimates_statements_and_evaluations_say_that_nothing_was_at_stake() {
 }}\n"
         )
     };
-    let estimate = "estimate hit { of s; event collision; budget 2000 runs, by crude; claim guaranteed <= 5 % }";
-    let statement = "statement st { \"few are hit\"; source \"free choice\"; claim rate(collision) of s <= 1 % }";
+    let estimate =
+        "estimate hit { of s; event collision; budget 2000 runs, by crude; claim guaranteed <= 5 % }";
+    let statement =
+        "statement st { \"few are hit\"; source \"free choice\"; claim rate(collision) of s <= 1 % }";
     let evaluate = "evaluate ev { on s; with default; measure rate(collision) }";
     let words = [
         (estimate, "none of 2000 runs of `s` had an encounter"),
@@ -222,9 +227,10 @@ scenario s {{ road bend
     assert_eq!(code, Some(0), "{said}");
     assert!(said.contains("`van` left its carriageway in 1 of 1 run"), "{said}");
     assert!(said.contains("in 1 a vehicle left the road"), "{said}");
-    for (kerbs, criteria) in
-        [("no kerbs", "max_deceleration <= 1 m/s^2"), ("", "max_deceleration <= 1 m/s^2; rate(kerb_contact) >= 0 %")]
-    {
+    for (kerbs, criteria) in [
+        ("no kerbs", "max_deceleration <= 1 m/s^2"),
+        ("", "max_deceleration <= 1 m/s^2; rate(kerb_contact) >= 0 %"),
+    ] {
         let (_, said) = denied(&of(kerbs, criteria), &[]);
         assert!(!said.contains("left"), "{kerbs} {criteria}: {said}");
     }

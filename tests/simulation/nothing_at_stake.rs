@@ -26,7 +26,8 @@ enum Idle {
 const IDLE: [Idle; 2] = [Idle::Stands, Idle::Beyond(50.0)];
 
 fn suites() -> Vec<(PathBuf, Suite)> {
-    let patterns = ["suites/*.suite", "suites/paper/*.suite", "scenarios/*/*.scn", "templates/*/scenarios/*.scn"];
+    let patterns =
+        ["suites/*.suite", "suites/paper/*.suite", "scenarios/*/*.scn", "templates/*/scenarios/*.scn"];
     let files = patterns.into_iter().flat_map(|pattern| glob::glob(pattern).expect("a pattern"));
     let files: Vec<PathBuf> = files.map(|path| path.expect("a path")).collect();
     let load = |path: &PathBuf| {
@@ -74,7 +75,8 @@ fn idle(case: &Case, how: Idle) -> Case {
             for vehicle in &mut world.vehicles {
                 vehicle.start = VehicleStart::Distance(before_crossing(&vehicle.start, vehicle.speed));
                 vehicle.speed = 0.0;
-                vehicle.controller = ModelSetup { model: constant.clone().into(), settings: settings.clone() };
+                vehicle.controller =
+                    ModelSetup { model: constant.clone().into(), settings: settings.clone() };
             }
         }
         Idle::Beyond(distance) => {
@@ -108,14 +110,18 @@ fn green(trial: &PlannedTrial, how: Idle, requests: &Requests) -> Vec<String> {
     let Some(outcome) = run_idle(trial, how, requests) else { return Vec::new() };
     let judged = judge(&trial.criteria, std::slice::from_ref(&outcome), requests);
     let about_people = |scope: Scope| matches!(scope, Scope::Pair | Scope::Contact | Scope::Pedestrian);
-    let is_box = |name: &str| outcome.presences.iter().all(|pair| &*pair.other != name && &*pair.vehicle != name);
+    let is_box =
+        |name: &str| outcome.presences.iter().all(|pair| &*pair.other != name && &*pair.vehicle != name);
     let green = judged.findings.iter().zip(trial.criteria.iter()).filter(|(finding, criterion)| {
         let reference = criterion.claim.metric();
         let named = reference.pair.as_ref().map(|(_, other)| other.as_str());
-        let is_of_box = reference.several.is_empty() && named.is_some_and(|name| !name.is_empty() && is_box(name));
+        let is_of_box =
+            reference.several.is_empty() && named.is_some_and(|name| !name.is_empty() && is_box(name));
         finding.verdict == Verdict::Passed
             && finding.untested.is_none()
-            && reference.known().is_some_and(|metric| about_people(metric.scope) && metric.stake != Stake::Appearance)
+            && reference
+                .known()
+                .is_some_and(|metric| about_people(metric.scope) && metric.stake != Stake::Appearance)
             && !is_of_box
             && !outcome.presences.is_empty()
     });
@@ -172,7 +178,9 @@ fn no_rating_that_ships_earns_points_with_nothing_at_stake() {
             let reports: Vec<TrialReport> = trials(&plan).par_iter().filter_map(report).collect();
             for rating in &suite.ratings {
                 let judged = judge_rating(&Arc::new(rating.clone()), &suite.name, &reports, &[], &requests);
-                let RatingState::Rated(result) = judged.state else { panic!("{}: not rated", path.display()) };
+                let RatingState::Rated(result) = judged.state else {
+                    panic!("{}: not rated", path.display())
+                };
                 for cell in &result.cells {
                     cells += 1;
                     let is_open = matches!(cell.worth, CellWorth::NotAssessed(_));

@@ -1,7 +1,7 @@
 //! How near the footprints come: collision and impact speed with anything, smallest distance of a vehicle and a pedestrian.
 
 use nalgebra::Vector2;
-use scenario::{Absence, Metric, MetricKind, MetricRange, Scope, Stake, Shape, Side, Worst};
+use scenario::{Absence, Metric, MetricKind, MetricRange, Scope, Shape, Side, Stake, Worst};
 use scenario::{ChoiceOption, Declaration, Dimension, Parameter, Value};
 use sim::geometry::{Footprint, apart, distance};
 use sim::measure::{
@@ -383,4 +383,3 @@ fn smallest_inside(
     };
     least_of(&mut at)
 }
-

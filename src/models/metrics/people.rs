@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use scenario::population::{HUMANS, Plausibility, STANDARD};
 use scenario::{Absence, ChoiceOption, Declaration, Dimension, Metric, MetricKind, MetricRange, Parameter};
-use scenario::{PedestrianModel, Scope, Stake, Settings, Worst};
+use scenario::{PedestrianModel, Scope, Settings, Stake, Worst};
 use sim::measure::{Encounters, Meter, MetricContext, meters};
 
 pub fn plausibility() -> Metric {

@@ -1,7 +1,7 @@
 //! Whether a vehicle drives over a stop line in red.
 
 use scenario::{
-    Absence, Crossing, CrossingKind, Declaration, Metric, MetricKind, MetricRange, Scope, Stake, SignalState,
+    Absence, Crossing, CrossingKind, Declaration, Metric, MetricKind, MetricRange, Scope, SignalState, Stake,
     TrafficSignal, Worst,
 };
 use sim::Step;

@@ -4,7 +4,9 @@ use scenario::{
     Absence, Declaration, Dimension, Metric, MetricKind, MetricRange, PathConflict, Scope, Stake, Worst,
 };
 use sim::geometry::{Footprint, apart};
-use sim::measure::{Contact, Encounters, End, InStep, Meter, MetricContext, Open, difference, least_of, meters};
+use sim::measure::{
+    Contact, Encounters, End, InStep, Meter, MetricContext, Open, difference, least_of, meters,
+};
 use sim::{Solid, Step, VehicleState, path_conflicts, vehicles_meet};
 
 const CONFLICT: &str = "shared area: what the bodies of both sweep along their lanes where these cross, so that a vehicle is in it \

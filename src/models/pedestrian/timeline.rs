@@ -3,10 +3,10 @@
 use nalgebra::Vector2;
 
 use super::{PedestrianContext, PedestrianModel};
+use scenario::agent::ScriptStep;
 use scenario::{
     Chance, Declaration, Dimension, Parameter, Settings, Side, SignalConduct, TextError, VehicleReference,
 };
-use scenario::agent::ScriptStep;
 use sim::script::{Action, Script, ScriptQuantity, parameters};
 use sim::{Mode, ModelError, Motion, Pedestrian, Scene, geometry};
 

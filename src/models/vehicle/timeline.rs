@@ -4,8 +4,8 @@ use super::hazard::{half_size, keep_speed};
 use super::period::period;
 use super::red_light::LOOKS_AT_NOTHING;
 use super::{CommandKind, ControllerContext, ControllerModel};
-use scenario::{Chance, Declaration, Dimension, Parameter, TextError};
 use scenario::agent::ScriptStep;
+use scenario::{Chance, Declaration, Dimension, Parameter, TextError};
 use sim::script::{Action, Script, ScriptQuantity, parameters};
 use sim::{Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule};
 

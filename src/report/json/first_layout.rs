@@ -239,9 +239,14 @@ impl TrialOfSuite {
             ("not_finished", Some(message)) => {
                 TrialState::NotFinished(cut(&trial.key, self.cut_by, message)?)
             }
-            (verdict, None) => {
-                TrialState::Judged(judged(&trial.key, verdict, self.findings, self.stopping, self.horizon, Default::default())?)
-            }
+            (verdict, None) => TrialState::Judged(judged(
+                &trial.key,
+                verdict,
+                self.findings,
+                self.stopping,
+                self.horizon,
+                Default::default(),
+            )?),
             (verdict, _) => return Err(contradiction(&trial.key, format!("`{verdict}` without its reason"))),
         };
         Ok(TrialReport { trial: Arc::new(trial), outcomes, state, departures: Vec::new(), wall_time })

@@ -9,11 +9,11 @@ use serde::Deserialize;
 use super::error::{ResultsError, contradiction, seconds};
 use super::first_layout;
 use super::parts::{FaultOfRun, Run, faults, gate_state, judged, says};
-use results::{LeftRoad, WaitingStep, 
-    BlockReport, BlockResult, BlockState, Chosen, Cut, Finding, GateReport, GateVerdict, Horizon, NotJudged,
-    NotRated, Outcome, PeopleUsed, Program, RatingReport, RatingResult, RatingState, Recorded,
+use results::{
+    BlockReport, BlockResult, BlockState, Chosen, Cut, Finding, GateReport, GateVerdict, Horizon, LeftRoad,
+    NotJudged, NotRated, Outcome, PeopleUsed, Program, RatingReport, RatingResult, RatingState, Recorded,
     RecordedReport, RecordedState, Recording, Refusal, Requests, Results, RunsTaken, Skip, SuiteIdentity,
-    SuiteReport, TestedController, TrialReport, TrialState, UnitError,
+    SuiteReport, TestedController, TrialReport, TrialState, UnitError, WaitingStep,
 };
 use scenario::registry::Registry;
 use scenario::{Block, Gate, Rating, Trial};
@@ -234,14 +234,14 @@ impl TrialOfSuite {
             ("skipped", _, None, Some(skip)) => TrialState::Skipped(skip),
             (verdict, None, None, None) => {
                 let otherwise = (self.never_began, self.left_road);
-                    TrialState::Judged(judged(
-                        &trial.key,
-                        verdict,
-                        self.findings,
-                        self.stopping,
-                        self.horizon,
-                        otherwise,
-                    )?)
+                TrialState::Judged(judged(
+                    &trial.key,
+                    verdict,
+                    self.findings,
+                    self.stopping,
+                    self.horizon,
+                    otherwise,
+                )?)
             }
             (verdict, ..) => return Err(contradiction(&self.key, format!("`{verdict}` without its reason"))),
         };

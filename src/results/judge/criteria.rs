@@ -3,10 +3,10 @@
 use super::confidence::{self, Bounds};
 use super::horizon;
 use super::nearest::nearest;
-use super::possible::bounded_above;
-use super::seen::{Evidence, Seen};
 use super::not_as_declared::{left_road, never_began};
 use super::overlap;
+use super::possible::bounded_above;
+use super::seen::{Evidence, Seen};
 use super::untested;
 use crate::{Finding, FindingMeasure, Horizon, Outcome, Regarding, Requests, TrialVerdict, Verdict};
 use scenario::{

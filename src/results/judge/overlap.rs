@@ -24,7 +24,9 @@ pub(super) fn mark(
         let Some(own) = requests.index(reference) else { continue };
         let overlaps = |outcome: &&Outcome| {
             let [centres, bodies] = [own, area].map(|index| outcome.metrics.get(index).copied().flatten());
-            centres.is_some_and(|time| time > 0.0) && bodies == Some(0.0) && is_about(reference, outcome, area)
+            centres.is_some_and(|time| time > 0.0)
+                && bodies == Some(0.0)
+                && is_about(reference, outcome, area)
         };
         finding.overlapping = outcomes.iter().filter(overlaps).count();
     }

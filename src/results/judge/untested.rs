@@ -39,7 +39,11 @@ pub(super) fn mark(
 }
 
 /// Why nothing that a metric is about was at stake in any of these runs; `None` where something was.
-pub fn untested_by(reference: &MetricReference, outcomes: &[Outcome], requests: &Requests) -> Option<Untested> {
+pub fn untested_by(
+    reference: &MetricReference,
+    outcomes: &[Outcome],
+    requests: &Requests,
+) -> Option<Untested> {
     AtStake::new(reference, false, outcomes, requests).untested(&[])
 }
 
@@ -87,9 +91,10 @@ impl<'a> AtStake<'a> {
     fn of_claim(claim: &'a Claim, outcomes: &'a [Outcome], requests: &Requests) -> Self {
         let bound = match claim {
             Claim::Runs { comparison, .. } => &comparison.bound,
-            Claim::Aggregate { aggregate: Aggregate::Rate(comparison) | Aggregate::Count(comparison), .. } => {
-                &comparison.bound
-            }
+            Claim::Aggregate {
+                aggregate: Aggregate::Rate(comparison) | Aggregate::Count(comparison),
+                ..
+            } => &comparison.bound,
             Claim::Aggregate { bound, .. } => bound,
         };
         Self::new(claim.metric(), is_far(bound), outcomes, requests)
@@ -194,18 +199,16 @@ fn needs(reference: &MetricReference, outcomes: &[Outcome]) -> Needs {
         let meant = people.iter().filter(|name| reference.is_of(name));
         meant.map(|name| Pair { vehicles: vehicles.clone(), other: name.clone() }).collect()
     };
-    let of_vehicles = |pair: &&PairPresence| {
-        pair.of_vehicles && named.is_some_and(|one| is_between(pair, one, reference))
-    };
+    let of_vehicles =
+        |pair: &&PairPresence| pair.of_vehicles && named.is_some_and(|one| is_between(pair, one, reference));
     match metric.scope {
         Scope::Vehicle if people.is_empty() => Needs::Nothing,
         Scope::Vehicle => Needs::Motion(covered().collect()),
         Scope::Pedestrian => Needs::Pairs(of_each(vehicles)),
         Scope::Pair | Scope::Contact | Scope::Vehicles => match pairs().find(of_vehicles) {
-            Some(pair) => Needs::Pairs(vec![Pair {
-                vehicles: vec![pair.vehicle.clone()],
-                other: pair.other.clone(),
-            }]),
+            Some(pair) => {
+                Needs::Pairs(vec![Pair { vehicles: vec![pair.vehicle.clone()], other: pair.other.clone() }])
+            }
             None if metric.scope == Scope::Vehicles => Needs::Nothing,
             None => Needs::Pairs(of_each(covered().collect())),
         },
@@ -260,8 +263,7 @@ fn named_instead(why: Untested, stake: &AtStake, criterion: &Criterion) -> Untes
     };
     let tested = all.iter().filter(|pair| !is_open(pair)).find_map(find);
     let instead = tested.map(|pair| {
-        let named =
-            MetricReference { pair: Some(pair), several: Vec::new(), ..stake.reference.clone() };
+        let named = MetricReference { pair: Some(pair), several: Vec::new(), ..stake.reference.clone() };
         criterion.text.replacen(&stake.reference.label(), &named.label(), 1)
     });
     Untested::Pairs { pairs: pairs.clone(), instead: instead.filter(|text| *text != criterion.text) }
@@ -448,10 +450,7 @@ mod tests {
         let criteria = [criterion("collision", None), criterion("collision", Some(("av", "")))];
         assert_eq!(tested(&criteria, Some(1.0), &[&pair(Closeness::Together)]), [true, true]);
         // Boxes never count.
-        assert_eq!(
-            tested(&[criterion("collision", Some(("av", "parked")))], Some(1.0), &[&[STAYS]]),
-            [true]
-        );
+        assert_eq!(tested(&[criterion("collision", Some(("av", "parked")))], Some(1.0), &[&[STAYS]]), [true]);
     }
 
     #[test]
@@ -485,7 +484,11 @@ mod tests {
             let findings = judged(&criteria, value, &[&[GOES]]);
             findings.into_iter().map(|one| (one.verdict, one.untested)).collect::<Vec<_>>()
         };
-        assert!(of(None).iter().all(|one| *one == (Verdict::Passed, Some(Untested::NoValue))), "{:?}", of(None));
+        assert!(
+            of(None).iter().all(|one| *one == (Verdict::Passed, Some(Untested::NoValue))),
+            "{:?}",
+            of(None)
+        );
         assert!(of(Some(0.0)).iter().all(|one| *one == (Verdict::Passed, None)));
         assert!(of(Some(1.0)).iter().all(|one| *one == (Verdict::Failed, None)));
     }

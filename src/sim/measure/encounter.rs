@@ -22,6 +22,8 @@ pub struct Encounters {
     passages: Vec<Passage>,
     /// The largest speed that each vehicle has had, m/s.
     fastest: Vec<f64>,
+    /// Whether each vehicle had moved by the beginning of the last step.
+    had_moved: Vec<bool>,
     /// Vehicle by vehicle.
     pairs: Vec<Encounter>,
     pedestrians: usize,
@@ -145,6 +147,7 @@ impl Encounters {
         Self {
             passages: vec![Passage::with_capacity(steps); world.vehicles.len()],
             fastest: vec![0.0; world.vehicles.len()],
+            had_moved: vec![false; world.vehicles.len()],
             pairs: world
                 .vehicles
                 .iter()
@@ -152,7 +155,11 @@ impl Encounters {
                 .map(encounter)
                 .collect(),
             pedestrians,
-            vehicle_pairs: followed.vehicle_pairs().iter().map(|pair| VehiclePair::new(world, *pair)).collect(),
+            vehicle_pairs: followed
+                .vehicle_pairs()
+                .iter()
+                .map(|pair| VehiclePair::new(world, *pair))
+                .collect(),
             steered: world.vehicles.iter().map(|car| car.may_steer().then(SteeredWay::default)).collect(),
             walked: match world.vehicles.iter().any(VehicleSetup::may_steer) {
                 true => vec![WalkedWay::default(); pedestrians],
@@ -277,6 +284,7 @@ impl Encounters {
         for (index, passage) in self.passages.iter_mut().enumerate() {
             let (before, after) = (&step.before.vehicles[index], &step.after.vehicles[index]);
             let end = step.time + step.duration;
+            self.had_moved[index] = self.fastest[index] > STANDSTILL;
             self.fastest[index] = self.fastest[index].max(before.motion.speed).max(after.motion.speed);
             passage.observe((step.time, before.motion.travelled), (end, after.motion.travelled));
         }
@@ -287,7 +295,8 @@ impl Encounters {
             let (vehicle, pedestrian) = (index / self.pedestrians, index % self.pedestrians);
             if step.before.pedestrians[pedestrian].present {
                 pair.observe(step, vehicle, pedestrian);
-                pair.follow_presence(step, vehicle, pedestrian, self.fastest[vehicle] > STANDSTILL);
+                let has_moved = (self.had_moved[vehicle], self.fastest[vehicle] > STANDSTILL);
+                pair.follow_presence(step, (vehicle, has_moved), pedestrian);
             }
         }
         for pair in &mut self.vehicle_pairs {
@@ -407,7 +416,12 @@ impl Encounter {
         }
     }
 
-    fn follow_presence(&mut self, step: &Step, vehicle: usize, pedestrian: usize, has_moved: bool) {
+    fn follow_presence(
+        &mut self,
+        step: &Step,
+        (vehicle, has_moved): (usize, (bool, bool)),
+        pedestrian: usize,
+    ) {
         let Some(places) = self.places else { return };
         self.presence.observe(&PresenceStep {
             vehicle: (&step.before.vehicles[vehicle], &step.after.vehicles[vehicle]),

@@ -10,8 +10,8 @@ use scenario::Located;
 /// the pedestrian appeared.
 pub const MEETING_TIME: f64 = 5.0;
 
-/// A pedestrian in the way of a vehicle that has moved before has met it at this distance, too, m: what a car that sets off at 2 m/s²
-/// covers in [`MEETING_TIME`].
+/// A pedestrian in the way of a vehicle that had moved before they appeared has met it at this distance, too, m: what a car that sets off
+/// at 2 m/s² covers in [`MEETING_TIME`].
 const MEETING_DISTANCE: f64 = 25.0;
 
 /// At this speed or slower a vehicle stands, m/s: what is left of a stop by rounding is no motion.
@@ -63,8 +63,8 @@ pub struct PresenceStep<'a> {
     pub half_lane: f64,
     /// What the vehicle's body sweeps at the end, as distances beside its path, m.
     pub strip: (f64, f64),
-    /// Whether the vehicle has moved in the run.
-    pub has_moved: bool,
+    /// Whether the vehicle has moved in the run by the beginning and by the end of the step.
+    pub has_moved: (bool, bool),
 }
 
 /// Follows the presence of one vehicle and one pedestrian.
@@ -73,6 +73,8 @@ pub struct PresenceMeter {
     presence: Presence,
     /// The largest speed that the vehicle has had since the pedestrian appeared, m/s.
     fastest: f64,
+    /// Whether the vehicle had moved before the pedestrian appeared.
+    moved_before: bool,
 }
 
 impl PresenceMeter {
@@ -85,10 +87,13 @@ impl PresenceMeter {
     pub fn observe(&mut self, step: &PresenceStep) {
         let (before, after) = step.vehicle;
         self.fastest = self.fastest.max(before.motion.speed).max(after.motion.speed);
+        if self.presence.closest == Closeness::Absent {
+            self.moved_before = step.has_moved.0;
+        }
         self.reach(Closeness::Apart);
         let (old, new) = step.places;
         // In the middle of a bend nobody knows which part of the way is meant.
-        if old.ambiguous || new.ambiguous || !step.has_moved {
+        if old.ambiguous || new.ambiguous || !step.has_moved.1 {
             return;
         }
         if self.presence.closest < Closeness::Together {
@@ -104,7 +109,8 @@ impl PresenceMeter {
             self.reach(Closeness::Abreast);
         }
         if self.presence.closest < Closeness::Met && step.is_in_the_way() {
-            let is_near = step.gap() <= MEETING_DISTANCE.max(self.fastest * MEETING_TIME);
+            let from_standing = if self.moved_before { MEETING_DISTANCE } else { 0.0 };
+            let is_near = step.gap() <= from_standing.max(self.fastest * MEETING_TIME);
             self.reach(if is_near { Closeness::Met } else { Closeness::InTheWay });
         }
     }

@@ -234,7 +234,8 @@ impl RecordedTrial {
 mod tests {
     use super::*;
     use scenario::{
-        Absence, Declaration, Dimension, Meters, MetricKind, MetricRange, Parameter, Scope, Stake, Value, Worst,
+        Absence, Declaration, Dimension, Meters, MetricKind, MetricRange, Parameter, Scope, Stake, Value,
+        Worst,
     };
 
     fn parameter(name: &'static str) -> Parameter {
