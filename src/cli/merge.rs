@@ -109,7 +109,8 @@ fn merged(arguments: MergeArguments, registry: &Registry) -> Result<Exit, Exit> 
         is_repeated: false,
         is_merged: true,
     };
-    let Conducted { results, mut complaints, notices } = conduct.conduct(orders, &mut LastRun::read());
+    let Conducted { mut results, mut complaints, notices } = conduct.conduct(orders, &mut LastRun::read());
+    results.denies_untested = deny.contains(&Deny::Untested);
     let troubles = executor.troubles();
     for trouble in &troubles {
         writeln!(stderr(), "error: {trouble}");
@@ -133,7 +134,7 @@ fn merged(arguments: MergeArguments, registry: &Registry) -> Result<Exit, Exit> 
     Ok(match () {
         () if stop.is_requested() => Exit::Interrupted,
         () if !complaints.is_empty() => Exit::Output,
-        () => judged(&results, &deny),
+        () => judged(&results),
     })
 }
 

@@ -45,7 +45,7 @@ struct Columns<'r> {
 /// Those of `out`; or the results do not hold every trial.
 pub fn write_csv(results: &Results, out: impl Write) -> io::Result<()> {
     need_every_trial(results)?;
-    let Results { requests, suites: reports, recordings: _ } = results;
+    let Results { requests, suites: reports, recordings: _, denies_untested: _ } = results;
     let columns = Columns::of(reports, requests);
     let mut writer = WriterBuilder::new().terminator(Terminator::CRLF).from_writer(out);
     columns.write_header(&mut writer)?;

@@ -263,12 +263,17 @@ impl Session {
     /// A report with the courses of its runs, as a session hands it on.
     pub fn results(&self, report: SuiteReport) -> Results {
         let recordings = self.record(choose_runs(&report));
-        Results { requests: self.requests.clone(), suites: vec![report], recordings }
+        Results { requests: self.requests.clone(), suites: vec![report], recordings, denies_untested: false }
     }
 
     /// A report without the courses of its runs.
     pub fn unrecorded(&self, report: SuiteReport) -> Results {
-        Results { requests: self.requests.clone(), suites: vec![report], recordings: Vec::new() }
+        Results {
+            requests: self.requests.clone(),
+            suites: vec![report],
+            recordings: Vec::new(),
+            denies_untested: false,
+        }
     }
 
     /// Every trial a hundred times over.

@@ -204,7 +204,7 @@ fn beginning(report: &SuiteReport) -> Origin {
 /// If the results do not hold every trial.
 pub fn step_summary(results: &Results) -> String {
     expect_every_trial(results);
-    let Results { requests, suites: reports, recordings: _ } = results;
+    let Results { requests, suites: reports, recordings: _, denies_untested: _ } = results;
     let mut text = String::new();
     for report in reports {
         suite_summary(&mut text, report, requests);

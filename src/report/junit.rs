@@ -32,7 +32,7 @@ use scenario::{FaultKind, Origin};
 /// Those of `out`; or the results do not hold every trial.
 pub fn write_junit(results: &Results, repository: &Repository, out: &mut dyn Write) -> io::Result<()> {
     need_every_trial(results)?;
-    let Results { requests, suites: reports, recordings: _ } = results;
+    let Results { requests, suites: reports, recordings: _, denies_untested: _ } = results;
     let suites: Vec<_> = reports.iter().map(|report| (report, grouped(report))).collect();
     let mut counts = Counts::default();
     for item in suites.iter().flat_map(|(_, groups)| groups).flat_map(|group| &group.items) {

@@ -17,7 +17,7 @@ use results::{Event, Reporter, Requests, Results, UnitReport};
 /// Those of `out`; or the results do not hold every trial.
 pub fn write_runs(results: &Results, out: &mut dyn Write) -> io::Result<()> {
     need_every_trial(results)?;
-    let Results { requests, suites, recordings: _ } = results;
+    let Results { requests, suites, recordings: _, denies_untested: _ } = results;
     for report in suites {
         each_row(report, |row, criteria| write_line(row, criteria, requests, out))?;
     }

@@ -150,6 +150,25 @@ pub struct GateVerdict {
     pub looks: Option<Looks>,
 }
 
+impl GateVerdict {
+    /// What its comparisons come to: failed where one regressed, inconclusive where a rule could not have failed and something changed, or
+    /// runs were cut off, and passed otherwise.
+    pub fn worked_out(&self) -> Verdict {
+        // What came out the same by chance need not do so the next time.
+        let certainly_same = self.nothing_changed && self.nondeterministic.is_empty();
+        if self.checks.iter().any(|check| check.outcome == CheckOutcome::Regressed) {
+            Verdict::Failed
+        } else if self.cut_off == 0
+            && self.blind_places.is_empty()
+            && (self.blind_rules.is_empty() || certainly_same)
+        {
+            Verdict::Passed
+        } else {
+            Verdict::Inconclusive
+        }
+    }
+}
+
 /// Looks at a sequential gate along the way.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Looks {

@@ -54,6 +54,8 @@ pub struct Results {
     pub suites: Vec<SuiteReport>,
     /// The courses of those runs that are drawn, in the order in which they were [chosen](choose_runs).
     pub recordings: Vec<(Chosen, Recording)>,
+    /// Whether what passed without being put to the test does not count as passed (`--deny untested`).
+    pub denies_untested: bool,
 }
 
 pub use block::{BlockReport, BlockResult, BlockState};

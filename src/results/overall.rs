@@ -1,5 +1,7 @@
 //! What a session came to as a whole.
 
+use serde::Serialize;
+
 use super::Results;
 use super::gate::{GateReport, GateState, NotJudged};
 use super::rating::RatingReport;
@@ -8,7 +10,8 @@ use super::suite::SuiteReport;
 use super::verdict::Verdict;
 
 /// The worst that became of anything. What failed by itself goes before what got worse than it was.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Overall {
     /// A trial, block or rating failed, could not be run or was cut off.
     Failed,
@@ -25,9 +28,41 @@ pub enum Overall {
 }
 
 impl Results {
-    /// What it all comes to. What was not judged has not passed.
+    /// What it all comes to. What was not judged has not passed, nor has what was never put to the test where that is denied.
     pub fn overall(&self) -> Overall {
-        overall(&self.suites)
+        match overall(&self.suites) {
+            Overall::Passed if self.denies_untested && self.untested() > 0 => Overall::Inconclusive,
+            overall => overall,
+        }
+    }
+
+    /// In how many units something passed that was not put to the test.
+    pub fn untested(&self) -> usize {
+        self.suites.iter().map(SuiteReport::untested).sum()
+    }
+
+    /// The code with which a program that ran this ends.
+    pub fn exit_code(&self) -> u8 {
+        match self.suites.iter().any(|suite| suite.interrupted) {
+            true => INTERRUPTED,
+            false => self.overall().exit_code(),
+        }
+    }
+}
+
+/// The exit code of what was interrupted.
+const INTERRUPTED: u8 = 105;
+
+impl Overall {
+    /// The exit code of it.
+    pub fn exit_code(self) -> u8 {
+        match self {
+            Self::Passed => 0,
+            Self::Failed => 100,
+            Self::Inconclusive | Self::NothingJudged => 102,
+            Self::NotComparable => 103,
+            Self::Regressed => 104,
+        }
     }
 }
 

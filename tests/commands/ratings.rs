@@ -155,7 +155,7 @@ fn cells_along_a_lane_that_never_met_are_not_assessed() {
         // Cut off before the car is there.
         ("meets av at impact after 5 m", "horizon 5 s", "was cut off at 5 s"),
         // On the pavement, whom no car would hit.
-        ("start 4 m from lane centre", "", "nobody came into a lane"),
+        ("start 4 m from lane centre", "", "no pedestrian came into the way of a vehicle"),
         ("start 0.45 m from lane centre; appears at 50 s", "horizon 40 s", "nobody appeared"),
     ] {
         let (code, said_of) = points(walks, more);

@@ -65,7 +65,7 @@ const SUITE: &str = r#"suite mixed {
     pedestrian walker { model scripted; start 1 m from kerb; appears at 0 s }
     expect { min_distance >= 0.1 m undefined passes; no collision }
   }
-  statement slow { claim mean(time_lost) of safe <= 1 s }
+  statement slow { claim mean(time_lost) of few <= 1 s }
 }
 "#;
 

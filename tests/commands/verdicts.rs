@@ -208,23 +208,24 @@ fn runs_name_their_margin_and_critical_instant_and_who() {
 fn what_passed_without_being_put_to_the_test_is_warned_of() {
     let folder = tempfile::tempdir().unwrap();
     // Nobody gets from two metres behind the kerb into the lane so soon.
-    let vacuous = |trial: &Value| trial["findings"][0]["vacuous"].clone();
+    let untested = |trial: &Value| trial["findings"][0]["untested"].clone();
     let trial = || results(folder.path(), &[])["suites"][0]["trials"][0].clone();
     walk(folder.path(), "horizon 1 s; repeat 3; expect { no collision; max_deceleration <= 9 m/s^2 }");
     let output = scenario_runner(folder.path(), &["walk.scn", "--tap", "tap.txt"]);
     assert_eq!(output.status.code(), Some(0));
-    let said = "`no collision` passed untested: no pedestrian came into a vehicle's lane in any of 3 runs";
+    let said = "`no collision` passed untested: `walker` did not come into the way of `av` in any of 3 runs";
     assert!(stdout(&output).contains(&format!("WARN walk/walk: {said}")), "{}", stdout(&output));
     assert!(stdout(&output).contains("1 passed; 1 with untested criteria"), "{}", stdout(&output));
     assert!(std::fs::read_to_string(folder.path().join("tap.txt")).unwrap().contains(said));
-    assert_eq!(vacuous(&trial()), json!("nobody_entered"));
+    let pair = json!([{ "vehicle": "av", "other": "walker", "closest": "together" }]);
+    assert_eq!(untested(&trial()), json!({ "reason": "pairs", "pairs": pair }));
     // Braking may have been still to come.
-    assert_eq!(trial()["findings"][1]["vacuous"], json!("cut_off"));
+    assert_eq!(trial()["findings"][1]["untested"]["reason"], json!("cut_off"));
 
     // Some builds must not rest on that.
     let denied = scenario_runner(folder.path(), &["walk.scn", "--deny", "untested"]);
     assert_eq!(denied.status.code(), Some(102));
-    let said_so = "in 1 trial criteria passed untested, which `--deny untested` does not count as passed";
+    let said_so = "in 1 unit criteria passed untested, which `--deny untested` does not count as passed";
     let errors = String::from_utf8_lossy(&denied.stderr);
     assert!(errors.contains(said_so), "{errors}");
     assert_eq!(scenario_runner(folder.path(), &["walk.scn", "--deny", "all"]).status.code(), Some(2));
@@ -238,9 +239,9 @@ fn what_passed_without_being_put_to_the_test_is_warned_of() {
     walk(folder.path(), "horizon 1 s; expect { no collision; passed_first = none }");
     let output = scenario_runner(folder.path(), &["walk.scn"]);
     assert_eq!(output.status.code(), Some(0), "{}", stdout(&output));
-    assert!(!stdout(&output).contains("no pedestrian came"), "{}", stdout(&output));
+    assert!(!stdout(&output).contains("did not come into the way"), "{}", stdout(&output));
     walk(folder.path(), "expect { no collision }");
-    assert_eq!(vacuous(&trial()), Value::Null);
+    assert_eq!(untested(&trial()), Value::Null);
     assert_eq!(scenario_runner(folder.path(), &["walk.scn", "--deny", "untested"]).status.code(), Some(0));
     // What failed stays so.
     walk(folder.path(), "horizon 1 s; expect { no collision; min_distance >= 1000 m }");
@@ -307,10 +308,10 @@ fn who_crosses_long_before_the_car_comes_puts_nothing_to_the_test() {
         "repeat 2; expect { no collision; pet >= 1 s; max_deceleration <= 9 m/s^2 }",
     );
     let trial = &results(folder.path(), &[])["suites"][0]["trials"][0];
-    let vacuous = |index: usize| trial["findings"][index]["vacuous"].clone();
-    assert_eq!([vacuous(0), vacuous(1), vacuous(2)], [json!("nobody_met"), json!("nobody_met"), Value::Null]);
+    let closest = |index: usize| trial["findings"][index]["untested"]["pairs"][0]["closest"].clone();
+    assert_eq!([0, 1, 2].map(closest), [json!("in_the_way"), json!("in_the_way"), Value::Null]);
     let output = scenario_runner(folder.path(), &["walk.scn"]);
-    let said = "`no collision`, `pet >= 1 s` passed untested: no pedestrian was in a vehicle's lane within 5 s of it";
+    let said = "`no collision`, `pet >= 1 s` passed untested: `walker` was in the way of `av`, but not within 5 s of it";
     assert!(stdout(&output).contains(said), "{}", stdout(&output));
 }
 

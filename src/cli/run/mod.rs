@@ -25,7 +25,7 @@ use super::interrupt::stop_on_interrupt;
 use super::{Exit, filter, load, measured, store};
 use lang::filter::Show;
 use report::console::stderr;
-use results::{Overall, Results, SuiteReport};
+use results::{Overall, Results};
 use runner::session::{self, RunWatch, Selection};
 use scenario::registry::Registry;
 
@@ -240,7 +240,8 @@ pub fn run(arguments: RunArguments, registry: &Registry, program: &Command) -> E
         is_repeated: false,
         is_merged: false,
     };
-    let Conducted { results, mut complaints, notices } = conduct.conduct(orders, &mut last);
+    let Conducted { mut results, mut complaints, notices } = conduct.conduct(orders, &mut last);
+    results.denies_untested = arguments.deny.contains(&Deny::Untested);
     let reports = &results.suites;
     complaints.extend(watcher.as_ref().map(watch::Traces::finish).unwrap_or_default());
     complaints.extend(lines.and_then(output::WrittenLines::end));
@@ -264,12 +265,12 @@ pub fn run(arguments: RunArguments, registry: &Registry, program: &Command) -> E
             writeln!(stderr(), "error: {unasked}");
             return Exit::NothingSelected;
         }
-        judged(&results, &arguments.deny)
+        judged(&results)
     }
 }
 
 /// The exit code for what everything that was selected came to. What says little by itself is said on stderr.
-pub fn judged(results: &Results, deny: &[Deny]) -> Exit {
+pub fn judged(results: &Results) -> Exit {
     let (overall, reports) = (results.overall(), &results.suites);
     if overall == Overall::NothingJudged {
         writeln!(stderr(), "warning: nothing was judged: no criterion applies to what was run");
@@ -280,22 +281,17 @@ pub fn judged(results: &Results, deny: &[Deny]) -> Exit {
             );
         }
     }
-    let exit = exit(overall);
-    if deny.contains(&Deny::Untested) { deny_untested(exit, reports) } else { exit }
-}
-
-/// Takes what passed untested for what could not be decided.
-fn deny_untested(exit: Exit, reports: &[SuiteReport]) -> Exit {
-    let units = match reports.iter().map(SuiteReport::untested).sum() {
-        0 => return exit,
-        1 => "1 unit".to_string(),
-        number => format!("{number} units"),
-    };
-    writeln!(
-        stderr(),
-        "error: in {units} criteria passed untested, which `--deny untested` does not count as passed"
-    );
-    if exit == Exit::Success { Exit::Inconclusive } else { exit }
+    if results.denies_untested && results.untested() > 0 {
+        let units = match results.untested() {
+            1 => "1 unit".to_string(),
+            number => format!("{number} units"),
+        };
+        writeln!(
+            stderr(),
+            "error: in {units} criteria passed untested, which `--deny untested` does not count as passed"
+        );
+    }
+    exit(overall)
 }
 
 /// Whether GitHub runs this.

@@ -71,7 +71,7 @@ const TEMPLATES: [(&str, &str); 17] = [
 /// If the results do not hold every trial.
 pub fn to_html(results: &Results) -> String {
     expect_every_trial(results);
-    let Results { requests, suites: reports, recordings } = results;
+    let Results { requests, suites: reports, recordings, denies_untested: _ } = results;
     let started = reports.first().map_or(SystemTime::UNIX_EPOCH, |report| report.started);
     let page = view::Page::new(reports, requests, recordings, started);
     rendered("page.html", &[include_str!("page.css"), include_str!("player.css")], Serde(page))

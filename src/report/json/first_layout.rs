@@ -110,7 +110,7 @@ pub fn results(document: FirstLayout) -> Result<Results, ResultsError> {
     let program = Program { version: document.tool.version, platform: "not known".into() };
     let suites = document.suites.into_iter().map(|suite| suite.report(&requests, &program));
     let suites = suites.collect::<Result<_, _>>()?;
-    Ok(Results { requests, suites, recordings: Vec::new() })
+    Ok(Results { requests, suites, recordings: Vec::new(), denies_untested: false })
 }
 
 /// What was measured, by the labels of the first run.

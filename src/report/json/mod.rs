@@ -9,6 +9,7 @@ mod error;
 mod first_layout;
 mod parts;
 mod read;
+mod verify;
 
 use std::io::{self, Write};
 use std::rc::Rc;
@@ -34,15 +35,16 @@ use scenario::Assignment;
 /// Those of `out`; or the results do not hold every trial.
 pub fn write_json(results: &Results, mut out: impl Write) -> io::Result<()> {
     need_every_trial(results)?;
-    let Results { requests, suites, recordings } = results;
+    let Results { requests, suites, recordings, denies_untested } = results;
     let record = Object {
-        members: members(json!({ "requests": plain(requests) })),
+        members: members(json!({ "requests": plain(requests), "denies_untested": denies_untested })),
         lists: vec![("recordings", list(recordings, |one| Item::Value(plain(one))))],
         objects: Vec::new(),
     };
     let document = Object {
         members: members(json!({
             "layout": LAYOUT,
+            "overall": { "verdict": plain(&results.overall()), "exit_code": results.exit_code() },
             "tool": { "name": "scenario-runner", "version": Program::of(suites).version },
         })),
         lists: vec![("suites", list(suites, move |report| Item::Object(suite_object(report, requests))))],

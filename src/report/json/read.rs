@@ -9,11 +9,12 @@ use serde::Deserialize;
 use super::error::{ResultsError, contradiction, seconds};
 use super::first_layout;
 use super::parts::{FaultOfRun, Run, faults, gate_state, judged, says};
+use super::verify::verified;
 use results::{
     BlockReport, BlockResult, BlockState, Chosen, Cut, Finding, GateReport, GateVerdict, Horizon, LeftRoad,
-    NotJudged, NotRated, Outcome, PeopleUsed, Program, RatingReport, RatingResult, RatingState, Recorded,
-    RecordedReport, RecordedState, Recording, Refusal, Requests, Results, RunsTaken, Skip, SuiteIdentity,
-    SuiteReport, TestedController, TrialReport, TrialState, UnitError, WaitingStep,
+    NotJudged, NotRated, Outcome, Overall, PeopleUsed, Program, RatingReport, RatingResult, RatingState,
+    Recorded, RecordedReport, RecordedState, Recording, Refusal, Requests, Results, RunsTaken, Skip,
+    SuiteIdentity, SuiteReport, TestedController, TrialReport, TrialState, UnitError, WaitingStep,
 };
 use scenario::registry::Registry;
 use scenario::{Block, Gate, Rating, Trial};
@@ -37,21 +38,36 @@ pub(super) fn results_of(bytes: &[u8], registry: &Registry) -> Result<Results, R
     }
     match serde_json::from_slice::<Layout>(bytes)?.layout {
         1 => Ok(first_layout::results(serde_json::from_slice(bytes)?)?.resolved(registry)?),
-        2 => Ok(serde_json::from_slice::<Document>(bytes)?.results()?.resolved(registry)?),
+        2 => verified(serde_json::from_slice::<Document>(bytes)?.results()?.resolved(registry)?),
         other => Err(ResultsError::Layout(other)),
     }
 }
 
 #[derive(Deserialize)]
 struct Document {
+    #[serde(default)]
+    overall: Option<WrittenOverall>,
     record: DocumentRecord,
     suites: Vec<Suite>,
+}
+
+/// What it all came to, as it is written.
+#[derive(Deserialize)]
+struct WrittenOverall {
+    verdict: String,
+    exit_code: u8,
+}
+
+fn says_overall(word: &str, overall: Overall) -> bool {
+    serde_json::to_value(overall).is_ok_and(|said| said == word)
 }
 
 #[derive(Deserialize)]
 struct DocumentRecord {
     requests: Requests,
     recordings: Vec<(Chosen, Recording)>,
+    #[serde(default)]
+    denies_untested: bool,
 }
 
 #[derive(Deserialize)]
@@ -184,10 +200,24 @@ struct RatingRecord {
 
 impl Document {
     fn results(self) -> Result<Results, ResultsError> {
-        let DocumentRecord { requests, recordings } = self.record;
+        let DocumentRecord { requests, recordings, denies_untested } = self.record;
         let suites = self.suites.into_iter().map(|suite| suite.report(&requests));
         let suites = suites.collect::<Result<_, _>>()?;
-        Ok(Results { requests, suites, recordings })
+        let results = Results { requests, suites, recordings, denies_untested };
+        match self.overall {
+            Some(WrittenOverall { exit_code, .. }) if exit_code != results.exit_code() => {
+                let what =
+                    format!("its exit code is {exit_code}, and its units come to {}", results.exit_code());
+                Err(contradiction("overall", what))
+            }
+            Some(WrittenOverall { verdict, .. }) if !says_overall(&verdict, results.overall()) => {
+                Err(contradiction(
+                    "overall",
+                    format!("it says `{verdict}`, and its units come to something else"),
+                ))
+            }
+            _ => Ok(results),
+        }
     }
 }
 

@@ -221,7 +221,7 @@ impl<'a> Session<'a> {
         judge_gates(&runner, &mut suites, self.lenient, reporter);
         self.lock().extend(runner.notices());
         self.lock().extend(suites.iter().flat_map(|one| &one.people).filter_map(|one| one.warning.clone()));
-        let mut results = Results { requests: runner.requests().clone(), suites, recordings: Vec::new() };
+        let mut results = Results { requests: runner.requests().clone(), suites, ..Results::default() };
         if self.courses {
             match courses(&runner, &results.suites, &mut self.lock()) {
                 Ok(recordings) => results.recordings = recordings,

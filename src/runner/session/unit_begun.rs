@@ -102,8 +102,11 @@ mod tests {
                     None => dropped += usize::from(outcome.metrics[index].is_some()),
                 }
             }
-            let walker = &outcome.presences[0].0;
-            assert!(Arc::ptr_eq(walker, &report.outcomes[0].presences[0].0), "each run has names of its own");
+            let walker = &outcome.presences[0].other;
+            assert!(
+                Arc::ptr_eq(walker, &report.outcomes[0].presences[0].other),
+                "each run has names of its own"
+            );
         }
         assert!(kept > 0 && dropped > 0, "{kept} kept, {dropped} dropped");
     }

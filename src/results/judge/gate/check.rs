@@ -85,6 +85,21 @@ impl Check {
         (1.0 - self.confidence) / 2.0
     }
 
+    /// Whether what it shows is not what its numbers say, as where results were changed by hand.
+    pub fn contradicts_itself(&self) -> bool {
+        let has_changed = !(self.worse_runs.is_empty() && self.better_runs.is_empty());
+        let is_shown_worse = self.adjusted_p_value.is_some_and(|p| p <= self.level());
+        let rounding = 1e-6 * self.tolerance;
+        match self.outcome {
+            CheckOutcome::Same => has_changed,
+            CheckOutcome::Regressed => false,
+            CheckOutcome::Held | CheckOutcome::NotShown if !self.certain => has_changed && is_shown_worse,
+            CheckOutcome::Held | CheckOutcome::NotShown => {
+                !self.worse_runs.is_empty() && self.worse_by() > self.tolerance + rounding
+            }
+        }
+    }
+
     /// By how much it is worse; negative if it is better.
     pub fn worse_by(&self) -> f64 {
         let change = difference(self.base, self.candidate);

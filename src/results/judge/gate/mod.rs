@@ -14,7 +14,7 @@ mod rules;
 mod tests;
 
 use super::baseline::{Baseline, Incompatible, Pairing, pair};
-use crate::{BlindPlace, Check, CheckOutcome, GateVerdict, Looks, Power, Verdict};
+use crate::{BlindPlace, Check, GateVerdict, Looks, Power, Verdict};
 use scenario::{Gate, GateRule, Tolerance};
 
 use family::Families;
@@ -90,22 +90,12 @@ fn judge_rules(
         check.decide(question);
     }
     let nothing_changed = pairing.nothing_changed();
-    let regressed = checks.iter().any(|check| check.outcome == CheckOutcome::Regressed);
     let (blind_rules, blind_places) = blind(rules, &checks, pairing);
     let nondeterministic = changes::nondeterministic(pairing);
     let cut_off = pairing.trials.iter().map(|(_, trial)| trial.cut_off).sum();
-    // What came out the same by chance need not do so the next time.
-    let certainly_same = nothing_changed && nondeterministic.is_empty();
-    let verdict = if regressed {
-        Verdict::Failed
-    } else if cut_off == 0 && blind_places.is_empty() && (blind_rules.is_empty() || certainly_same) {
-        Verdict::Passed
-    } else {
-        Verdict::Inconclusive
-    };
-    Ok(GateVerdict {
+    let judged = GateVerdict {
         gate: name.to_string(),
-        verdict,
+        verdict: Verdict::Inconclusive,
         checks,
         rules: rules.iter().map(|rule| rule.text.clone()).collect(),
         family: families.primary + families.others,
@@ -124,7 +114,8 @@ fn judge_rules(
         nondeterministic,
         cut_off,
         looks: None,
-    })
+    };
+    Ok(GateVerdict { verdict: judged.worked_out(), ..judged })
 }
 
 /// What could not have failed, whatever had happened: rules everywhere, and rules in scenarios that changed. That another
