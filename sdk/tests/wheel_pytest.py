@@ -18,6 +18,12 @@ code, said = pytest("suites/zebra.suite", "-k", "paper and 6s")
 assert code == 0 and "1 passed, 11 deselected" in said, said
 code, said = pytest("suites/zebra_unsafe.suite")
 assert code == 1 and "failed" in said and "replay: scenario-runner replay" in said and "exit code 100" in said, said
+assert said.count("exit code 100") == said.count("_ zebra_unsafe/"), said
+# A gate over all trials is an item of its own, and a part of the suite does not judge it.
+code, said = pytest("suites/zebra_gate.suite", "-v")
+assert code == 0 and "9 passed" in said and "zebra_gate/gate=braking PASSED" in said, said
+code, said = pytest("suites/zebra_gate.suite", "-k", "late_person and 4s")
+assert code == 0 and "1 passed, 8 deselected" in said, said
 code, said = pytest("suites/nowhere.suite")
 assert code != 0, said
 print("pytest: items pass, are selected and fail with the runner's text")

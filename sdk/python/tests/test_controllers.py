@@ -191,7 +191,7 @@ class Conversation(unittest.TestCase):
         self.assertEqual(answers, [{"ready": [0], "failed": [{"slot": 1, "message": "OSError: no such weights"}]}])
 
     def test_what_is_no_number_is_an_error_and_what_is_not_finite_the_runners_to_refuse(self):
-        for value, kind in ((None, "TypeError"), ((1, 2), "TypeError"), ("fast", "ValueError")):
+        for value, kind in ((None, "TypeError"), ((1, 2), "TypeError"), ("fast", "is not a number"), (True, "is not a number"), ("1", "is not a number")):
             class Gives(Controller):
                 def step(self, seen):
                     return value
@@ -206,6 +206,29 @@ class Conversation(unittest.TestCase):
 
         self.assertEqual(talk(NotFinite, [opened(0), {"step": [scene(0)]}])[1][1], {"answer": [{"acceleration": None}]})
         self.assertTrue(math.isnan(talk(NotFinite, [opened(0), {"step": [scene(0)]}], "f64")[1][1][0][0]))
+
+    def test_an_exit_is_an_error_of_its_run(self):
+        class Ends(Controller):
+            def start(self, run):
+                if run.slot == 1:
+                    raise SystemExit(0)
+
+            def step(self, seen):
+                raise SystemExit(0)
+
+        for encoding in ("f64", "json"):
+            with contextlib.redirect_stderr(io.StringIO()):
+                _, answers = talk(Ends, [opened(0, 1), {"step": [scene(0)]}], encoding)
+            self.assertEqual(answers[0], {"ready": [0], "failed": [{"slot": 1, "message": "SystemExit: 0"}]})
+            self.assertEqual(answers[1], {"error": [{"slot": 0, "message": "SystemExit: 0"}]})
+
+    def test_only_an_interruption_by_the_user_passes_through(self):
+        class Interrupted(Controller):
+            def step(self, seen):
+                raise KeyboardInterrupt
+
+        with self.assertRaises(KeyboardInterrupt), contextlib.redirect_stderr(io.StringIO()):
+            talk(Interrupted, [opened(0), {"step": [scene(0)]}])
 
     def test_a_mode_that_was_not_announced_is_an_error(self):
         class Sleeps(Controller):
@@ -300,6 +323,16 @@ class Vectors(unittest.TestCase):
 
         with self.assertRaisesRegex(ValueError, "shape"):
             talk(Short, [opened(0, 1), {"step": [scene(0), scene(1)]}], "f64")
+
+    def test_an_array_of_flags_or_texts_is_an_error(self):
+        for row in ([True, False], ["1", "2"]):
+
+            class Other(VectorController):
+                def step(self, batch):
+                    return row
+
+            with self.assertRaisesRegex(TypeError, "no array of numbers"):
+                talk(Other, [opened(0, 1), {"step": [scene(0), scene(1)]}], "f64")
 
     def test_plans_may_be_shorter(self):
         class Plans(VectorController):

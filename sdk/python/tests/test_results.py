@@ -15,7 +15,8 @@ def report(verdict="passed", **metrics):
     one = {"key": "s/t/a=1/rep=1", "seed": "18446744073709551615", "ending": {"reason": "completed", "time": 2.5}, "metrics": {"pet": None, **metrics}, "fingerprint": "00ff"}
     other = {**one, "key": "s/t/a=1/rep=2", "metrics": {"min_ttc": "inf"}}
     trial = {"key": "s/t/a=1", "scenario": "t", "verdict": verdict, "variation": {"a": 1.0, "who": "child"}, "runs": [one, other]}
-    return {"layout": 2, "suites": [{"suite": "s", "trials": [trial]}]}
+    exit_code = {"passed": 0, "inconclusive": 102}.get(verdict, 100)
+    return {"layout": 2, "overall": {"verdict": verdict, "exit_code": exit_code}, "suites": [{"suite": "s", "trials": [trial]}]}
 
 
 class Rows(unittest.TestCase):
@@ -33,6 +34,24 @@ class Rows(unittest.TestCase):
         self.assertFalse(Results(report(), exit_code=102).passed)
         self.assertFalse(Results({"layout": 2, "suites": []}).passed)
 
+    def test_the_runner_decides_what_passed(self):
+        # A gate got worse, a claim of an estimate failed, nothing was judged: all trials passed.
+        for code in (100, 102, 103, 104, 105):
+            self.assertFalse(Results({**report(), "overall": {"verdict": "regressed", "exit_code": code}}).passed)
+        # Trials that were not selected are skipped, and the part that was has passed.
+        part = report()
+        part["suites"][0]["trials"].append({**part["suites"][0]["trials"][0], "verdict": "skipped", "runs": []})
+        self.assertTrue(Results(part).passed)
+
+    def test_a_trial_that_judged_nothing_has_not_passed(self):
+        nothing = report()
+        nothing["suites"][0]["trials"][0]["judged"] = False
+        row = Results(nothing).trials[0]
+        self.assertEqual((row["verdict"], row["judged"]), ("not_judged", False))
+        untested = report()
+        untested["suites"][0]["trials"][0]["findings"] = [{"untested": {"reason": "no_value"}}]
+        self.assertTrue(Results(untested).trials[0]["untested"])
+
     def test_another_layout_is_refused(self):
         with self.assertRaisesRegex(ValueError, "layout 3"):
             Results({**report(), "layout": 3})
@@ -42,7 +61,7 @@ class Rows(unittest.TestCase):
             path = os.path.join(folder, "r.json")
             with open(path, "w") as file:
                 json.dump(report(), file)
-            self.assertEqual(results(path).trials, [{"suite": "s", "scenario": "t", "trial": "s/t/a=1", "verdict": "passed", "runs": 2, "variation_a": 1.0, "variation_who": "child"}])
+            self.assertEqual(results(path).trials, [{"suite": "s", "scenario": "t", "trial": "s/t/a=1", "verdict": "passed", "judged": True, "untested": False, "runs": 2, "variation_a": 1.0, "variation_who": "child"}])
 
 
 class Commands(unittest.TestCase):

@@ -21,7 +21,10 @@ class Refused(Exception):
 
 
 def message_of(error):
-    """An exception in one line; the traceback goes to the log."""
+    """An exception in one line; the traceback goes to the log. An interruption by the user is raised again, and nothing else: an exit is an
+    error of its run, and not the end of the script that started the runner."""
+    if isinstance(error, KeyboardInterrupt):
+        raise error
     traceback.print_exception(type(error), error, error.__traceback__, file=sys.stderr)
     sys.stderr.flush()
     return f"{type(error).__name__}: {error}".splitlines()[0]
@@ -74,13 +77,13 @@ class ObjectHost:
                 answer.append(-1.0 if mode is None else self.mode(mode))
                 curvature = instance.curvature
                 if self.steers:
-                    answer.append(NAN if curvature is None else float(curvature))
+                    answer.append(NAN if curvature is None else number(curvature))
                 elif curvature is not None:
                     raise ValueError(_NOT_TAKEN)
                 answers.append(answer)
-            except Exception as error:
-                answers.append(None)
+            except BaseException as error:
                 refused.append((seen.slot, message_of(error)))
+                answers.append(None)
         if refused:
             slots = zip(runs, answers)
             self.decided = {int(run[0]): (run[1], answer) for run, answer in slots if answer is not None}
@@ -140,7 +143,10 @@ class VectorHost:
         batch = Batch(runs, pedestrians, vehicles, changes, crossings)
         rows = numpy.full((len(batch), self.width + 1 + self.steers), NAN)
         try:
-            answer = numpy.asarray(self.instance.step(batch), dtype=float)
+            answer = numpy.asarray(self.instance.step(batch))
+            if answer.dtype.kind not in "iuf":
+                raise TypeError(f"`step` gave an array of {answer.dtype}, which is no array of numbers")
+            answer = answer.astype(float)
             if answer.shape == (len(batch),):
                 answer = answer[:, None]
             if answer.ndim != 2 or len(answer) != len(batch):
@@ -149,7 +155,7 @@ class VectorHost:
                 raise ValueError(f"`step` gave {answer.shape[1]} columns, where {self.width} were due")
             if not self.steers and not numpy.isnan(batch.steering).all():
                 raise ValueError(_NOT_TAKEN)
-        except Exception as error:
+        except BaseException as error:
             if len(batch) > 1 and not self.is_parent:
                 # Nobody knows whose fault it is; the runner finds out, by making each run again alone.
                 raise
@@ -169,19 +175,26 @@ class VectorHost:
         self.instance.finish(slot, reason)
 
 
+def number(value):
+    """A number as a float; flags and texts are none, though Python would convert them."""
+    if isinstance(value, (bool, str, bytes, bytearray)) or type(value).__name__ in ("bool", "bool_"):
+        raise TypeError(f"{value!r} is not a number")
+    return float(value)
+
+
 def _number(value):
-    return [float(value)]
+    return [number(value)]
 
 
 def _pedals(value):
     throttle, brake = value
-    return [float(throttle), float(brake)]
+    return [number(throttle), number(brake)]
 
 
 def _plan(value):
     row = []
     for time, speed in value:
-        row += (float(time), float(speed))
+        row += (number(time), number(speed))
     if len(row) > 2 * PLAN_POINTS:
         raise ValueError(f"a plan of {len(row) // 2} points; there may be {PLAN_POINTS}")
     return row + [NAN] * (2 * PLAN_POINTS - len(row))

@@ -11,6 +11,7 @@ from . import _parent as parent
 
 LAYOUT = 2
 _FILES = (".suite", ".scn", ".yaml", ".yml")
+_VERDICTS = ("passed", "inconclusive", "failed")
 _INFINITE = {"inf": float("inf"), "-inf": float("-inf")}
 
 
@@ -35,17 +36,26 @@ class Results:
         self.report, self.exit_code, self.said = report, exit_code, said
 
     @property
+    def overall(self):
+        """What it all comes to, gates, ratings and blocks included: `passed`, `failed`, `regressed`, `not_comparable`, `inconclusive` or
+        `nothing_judged`; None in results that do not say it."""
+        return self.report.get("overall", {}).get("verdict")
+
+    @property
     def passed(self):
-        """Whether every trial passed, and there is one."""
-        trials = self.trials
-        return bool(trials) and all(trial["verdict"] == "passed" for trial in trials) and self.exit_code in (0, None)
+        """Whether the runner ends with 0: what was judged passed, and something was."""
+        return self.report.get("overall", {}).get("exit_code") == 0 and self.exit_code in (0, None)
 
     @property
     def trials(self):
-        """A row for each trial: suite, scenario, key, verdict, runs, then its variations."""
+        """A row for each trial: suite, scenario, key, verdict, whether it was judged and whether something that passed was never put to the
+        test, runs, then its variations. A trial to which no criterion applies has the verdict `not_judged`."""
         rows = []
         for suite, trial in self._trials():
-            row = {"suite": suite["suite"], "scenario": trial["scenario"], "trial": trial["key"], "verdict": trial["verdict"]}
+            judged = trial.get("judged", trial["verdict"] in _VERDICTS)
+            verdict = "not_judged" if trial.get("judged") is False else trial["verdict"]
+            row = {"suite": suite["suite"], "scenario": trial["scenario"], "trial": trial["key"], "verdict": verdict}
+            row["judged"], row["untested"] = judged, _is_untested(trial)
             row["runs"] = len(trial["runs"])
             row.update(_variation(trial))
             rows.append(row)
@@ -71,6 +81,10 @@ class Results:
 
     def _trials(self):
         return ((suite, trial) for suite in self.report["suites"] for trial in suite["trials"])
+
+
+def _is_untested(trial):
+    return bool(trial.get("never_began")) or any("untested" in finding for finding in trial.get("findings", ()))
 
 
 def _number(value):

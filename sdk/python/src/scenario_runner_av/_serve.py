@@ -95,7 +95,7 @@ class Wire:
                 try:
                     self.host.open(run)
                     ready.append(run["slot"])
-                except Exception as error:
+                except BaseException as error:
                     failed.append({"slot": run["slot"], "message": message_of(error)})
             answer = {"ready": ready}
             if failed:
@@ -104,7 +104,7 @@ class Wire:
         for run in request.get("close", ()):
             try:
                 self.host.close(run["slot"], run.get("reason", ""))
-            except Exception as error:
+            except BaseException as error:
                 # Nobody waits for an answer.
                 message_of(error)
         return None if "bye" in request else b""

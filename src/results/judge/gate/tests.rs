@@ -6,7 +6,7 @@ mod looks;
 mod rates;
 
 use super::*;
-use crate::ComparedSubject;
+use crate::{CheckOutcome, ComparedSubject};
 use crate::judge::baseline::{Parts, RecordedMetric, RecordedTrial, WorldPart};
 use numbers::random::Stream;
 use scenario::Settings;
