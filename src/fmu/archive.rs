@@ -13,7 +13,7 @@ use super::error::FmuError;
 const LARGEST_DESCRIPTION: u64 = 64 << 20;
 
 /// Of all that is unpacked, bytes.
-const LARGEST: u64 = 4 << 30;
+const LARGEST: u64 = 1 << 30;
 
 /// Files in an archive, at most.
 const MOST_FILES: usize = 100_000;
@@ -65,6 +65,7 @@ impl Archive {
     pub fn unpack(&mut self, folder: &Path) -> Result<Unpacked, FmuError> {
         let binaries = format!("binaries/{}/", platform(self.description.version));
         let library = format!("{binaries}{}{}", self.description.identifier, std::env::consts::DLL_SUFFIX);
+        self.check_claimed(&binaries)?;
         let mut left = LARGEST;
         let mut found = Vec::new();
         let mut is_there = false;
@@ -77,10 +78,7 @@ impl Archive {
             {
                 found.push(platform.to_string());
             }
-            let is_wanted = name.starts_with(&binaries)
-                || name.starts_with("resources/")
-                || name == "modelDescription.xml";
-            if !is_wanted || name.ends_with('/') {
+            if !is_wanted(&name, &binaries) {
                 continue;
             }
             is_there |= name == library;
@@ -100,6 +98,28 @@ impl Archive {
         files::make_folder(&resources)?;
         Ok(Unpacked { library: folder.join(&library), resources })
     }
+
+    /// Refuses an archive that says of itself that it is too large, before anything is unpacked.
+    fn check_claimed(&mut self, binaries: &str) -> Result<(), FmuError> {
+        let mut claimed: u64 = 0;
+        for index in 0..self.zip.len() {
+            let file = self.zip.by_index_raw(index).map_err(|error| refused(&error.to_string()))?;
+            if is_wanted(&file.name().replace('\\', "/"), binaries) {
+                claimed = claimed.saturating_add(file.size());
+            }
+        }
+        match claimed > LARGEST {
+            true => Err(refused(&format!("it unpacks to {claimed} bytes, more than {LARGEST}"))),
+            false => Ok(()),
+        }
+    }
+}
+
+/// Whether runs need what has this name.
+fn is_wanted(name: &str, binaries: &str) -> bool {
+    let is_of_runs =
+        name.starts_with(binaries) || name.starts_with("resources/") || name == "modelDescription.xml";
+    is_of_runs && !name.ends_with('/')
 }
 
 fn refused(message: &str) -> FmuError {
@@ -114,16 +134,17 @@ fn inside(name: &str) -> Option<&Path> {
     (is_plain && !name.contains([':', '\0'])).then_some(path)
 }
 
-/// What is in a file of the archive, whatever size it says it has; takes it from the bytes that are left.
+/// What is in a file of the archive, which is no larger than it says it is; takes it from the bytes that are left.
 fn content<R: Read>(file: ZipFile<R>, left: &mut u64) -> Result<Vec<u8>, FmuError> {
     let name = file.name().to_string();
     let mut bytes = Vec::new();
-    file.take(*left + 1)
+    let most = file.size().min(*left);
+    file.take(most + 1)
         .read_to_end(&mut bytes)
         .map_err(|error| refused(&format!("`{name}` cannot be read: {error}")))?;
     match left.checked_sub(bytes.len() as u64) {
-        Some(rest) => *left = rest,
-        None => return Err(refused(&format!("`{name}` unpacks to more than is taken"))),
+        Some(rest) if bytes.len() as u64 <= most => *left = rest,
+        _ => return Err(refused(&format!("`{name}` unpacks to more than is taken"))),
     }
     Ok(bytes)
 }

@@ -1,6 +1,7 @@
 //! `modelDescription.xml`: what a unit says of itself, as far as co-simulation needs it.
 
 use std::collections::HashMap;
+use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
@@ -185,6 +186,9 @@ impl Description {
         let fixed_step = simulation.number("fixedInternalStepSize").or(default_step.filter(|_| !is_variable));
         let types = Types::of(&root);
         let scalars = root.inside("ModelVariables").iter();
+        if scalars.len() > MOST_VARIABLES {
+            return Err(format!("has {} variables, more than {MOST_VARIABLES}", scalars.len()));
+        }
         let variables: Result<Vec<Scalar>, String> = match version {
             FmiVersion::Two => scalars.map(|one| two(one, &types)).collect(),
             FmiVersion::Three => scalars.map(|one| three(one, &types)).collect(),
@@ -198,7 +202,7 @@ impl Description {
             identifier: identifier.to_string(),
             is_once_per_process: simulation.is("canBeInstantiatedOnlyOncePerProcess"),
             fixed_step: fixed_step.filter(|step| step.is_finite() && *step > 0.0),
-            units: root.inside("UnitDefinitions").iter().filter_map(unit).collect(),
+            units: root.inside("UnitDefinitions").iter().filter_map(unit).collect::<Result<_, _>>()?,
             variables,
         })
     }
@@ -236,19 +240,31 @@ impl<'x> Types<'x> {
     }
 }
 
-fn unit(said: &Element) -> Option<(String, Option<BaseUnit>)> {
-    const OTHERS: [&str; 5] = ["kg", "A", "K", "mol", "cd"];
+/// Variables of a unit, at most.
+const MOST_VARIABLES: usize = 100_000;
+
+/// A unit with its base units; an error where they are said in numbers that are none.
+fn unit(said: &Element) -> Option<Result<(String, Option<BaseUnit>), String>> {
     let name = said.text("name")?.to_string();
-    let base = said.child("BaseUnit").map(|base| {
-        let power = |name: &str| base.text(name).and_then(|power| power.trim().parse().ok()).unwrap_or(0_i8);
-        BaseUnit {
-            exponents: (power("m"), power("s"), power("rad")),
-            has_others: OTHERS.iter().any(|name| power(name) != 0),
-            factor: base.number("factor").unwrap_or(1.0),
-            offset: base.number("offset").unwrap_or(0.0),
-        }
-    });
-    Some((name, base))
+    let base = said.child("BaseUnit").map(|base| base_unit(&name, base)).transpose();
+    Some(base.map(|base| (name, base)))
+}
+
+fn base_unit(name: &str, said: &Element) -> Result<BaseUnit, String> {
+    const OTHERS: [&str; 5] = ["kg", "A", "K", "mol", "cd"];
+    fn read<T: FromStr>(unit: &str, said: &Element, attribute: &str, usual: T) -> Result<T, String> {
+        let Some(text) = said.text(attribute) else { return Ok(usual) };
+        let wrong = || format!("has the unit `{unit}` with the {attribute} `{text}`, which is not a number");
+        text.trim().parse().map_err(|_| wrong())
+    }
+    let power = |attribute: &str| read(name, said, attribute, 0_i8);
+    let others: Vec<i8> = OTHERS.iter().map(|other| power(other)).collect::<Result<_, _>>()?;
+    Ok(BaseUnit {
+        exponents: (power("m")?, power("s")?, power("rad")?),
+        has_others: others.iter().any(|power| *power != 0),
+        factor: read(name, said, "factor", 1.0)?,
+        offset: read(name, said, "offset", 0.0)?,
+    })
 }
 
 /// Of a variable: what of 2.0 is in an element inside it, and of 3.0 its own.

@@ -56,7 +56,7 @@ fn seen_of_flag(check: &Check) -> Option<String> {
                 units(check)
             ));
         }
-        (_, Power::Shift(_) | Power::None) => return None,
+        (_, Power::Shift(_) | Power::OtherSeeds | Power::None) => return None,
     };
     let (change, to) = match check.larger_is_worse {
         true => ("rise", (check.base + least).min(1.0)),

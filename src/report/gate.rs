@@ -142,7 +142,9 @@ pub fn context(verdict: &GateVerdict) -> Vec<String> {
         }
         (_, true, _) => "paired on the same seeds: pairs differ by what is tested only".to_string(),
         (_, false, true) => {
-            "the seeds differ: pairs differ by chance too, so that only larger changes are seen".to_string()
+            "the seeds differ: pairs differ by chance too, so that only larger changes are seen, and how much larger is not known; with \
+                              the same seeds the same runs show far smaller ones"
+                .to_string()
         }
         (_, false, false) => {
             "the seeds and so the people differ: people are compared with other people, so that only \
@@ -303,7 +305,7 @@ pub fn caught(check: &Check) -> String {
         Power::Shift(size) => amount(check, size),
         Power::Share(size) => format!("{} of runs", share(size)),
         Power::Blind { needed } => format!("nothing: needs {needed} runs"),
-        Power::None => "–".to_string(),
+        Power::OtherSeeds | Power::None => "–".to_string(),
     }
 }
 

@@ -375,6 +375,8 @@ pub enum Power {
         /// Pairs of runs that it takes.
         needed: usize,
     },
+    /// Not known: with other seeds runs get better and worse by chance, too, and how many do has not been seen.
+    OtherSeeds,
     /// Not a comparison that can fail.
     None,
 }

@@ -75,7 +75,7 @@ fn every_person_is_met_or_named() {
     };
     let words = "name the pairs that you mean, as in `no collision(av, walker)`";
     assert_untested(&two("no collision"), &["`late` was not there while `av` had yet to pass", words]);
-    assert_untested(&two("no collision(av, walker); pet(av) >= 0 s undefined passes"), &[]);
+    assert_untested(&two("no collision(av, walker); pet >= 0 s undefined passes"), &[]);
     assert_tested(&two("no collision(av, walker)"));
     // What the car does alone is tested by one of them.
     assert_tested(&two("max_deceleration <= 9 m/s^2"));
@@ -100,7 +100,7 @@ fn a_person_who_never_appears_tests_nothing() {
     }
     assert_untested(&of("max_deceleration <= 9 m/s^2"), &["did not move while a pedestrian was"]);
     // Nobody is there to declare anything of.
-    assert_untested(&of("no collision; passed_first = vehicle undefined passes"), &[absent]);
+    assert_untested(&of("no collision; passed_first = none"), &[absent]);
 }
 
 #[test]
@@ -231,7 +231,7 @@ fn a_car_that_leaves_its_carriageway_is_warned_of_and_counted() {
     // A van that is longer than the bend is wide.
     let of = |kerbs: &str, criteria: &str| {
         format!(
-            "road bend {{ path {{ straight 60 m; turn left {{ radius: 8 m, arc: 90 deg }}; straight 60 m }}; lane_width 3 m; speed_limit 30 km/h; crossing zebra {{ at: 90 m }}; {kerbs} }}
+            "road bend {{ path {{ straight 60 m; turn right {{ radius: 8 m, clothoid: 22.85 deg, arc: 44.3 deg }}; straight 60 m }}; lane_width 3 m; speed_limit 30 km/h; crossing zebra {{ at: 90 m }}; {kerbs} }}
 scenario s {{ road bend
   vehicle van {{ controller constant_speed; size 12 m x 2.5 m; speed 5 m/s; start 80 m before crossing }}
   {WALKER}

@@ -232,6 +232,18 @@ fn unit(wire: &WiredVariable, scalar: &Scalar, description: &Description) -> Res
             hint,
         ));
     }
+    if let Some(meant) = factor_of(its).filter(|meant| (base.factor / meant - 1.0).abs() > ROUNDED) {
+        let hint = format!("export the FMU with the factor {meant} for `{its}`");
+        return Err((
+            format!(
+                "the FMU says that its unit `{its}` is {} {}, and it is {meant} {}: its numbers could mean either",
+                base.factor,
+                of.si_unit(),
+                of.si_unit()
+            ),
+            hint,
+        ));
+    }
     match own {
         None => Ok((base.factor, 1.0)),
         Some((numerator, denominator))
@@ -245,6 +257,25 @@ fn unit(wire: &WiredVariable, scalar: &Scalar, description: &Description) -> Res
             Err((format!("the FMU has its variable `{name}` in `{its}`, the file in `{said}`"), hint))
         }
     }
+}
+
+/// A factor that is as near to that of its unit is rounded.
+const ROUNDED: f64 = 1e-6;
+
+/// What a unit of this name is in SI units, of those that descriptions often round.
+fn factor_of(name: &str) -> Option<f64> {
+    const KNOWN: [(&str, f64); 9] = [
+        ("km/h", 1.0 / 3.6),
+        ("kph", 1.0 / 3.6),
+        ("kmh", 1.0 / 3.6),
+        ("mph", 0.447_04),
+        ("deg", std::f64::consts::PI / 180.0),
+        ("deg/s", std::f64::consts::PI / 180.0),
+        ("ms", 1e-3),
+        ("mm", 1e-3),
+        ("cm", 1e-2),
+    ];
+    KNOWN.iter().find(|(known, _)| plain(known) == plain(name)).map(|(_, factor)| *factor)
 }
 
 /// `m/s^2`, `m/s²` and `m/s2` are one.

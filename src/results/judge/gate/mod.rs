@@ -88,6 +88,10 @@ fn judge_rules(
     families.adjust(&mut checks, &comparisons, seed);
     for (check, question) in checks.iter_mut().zip(&asked) {
         check.decide(question);
+        // A share of runs that get worse while none gets better says nothing of pairs that differ by chance as well.
+        if !pairing.same_seeds && !check.certain && matches!(check.power, Power::Share(_)) {
+            check.power = Power::OtherSeeds;
+        }
     }
     let nothing_changed = pairing.nothing_changed();
     let (blind_rules, blind_places) = blind(rules, &checks, pairing);

@@ -6,8 +6,8 @@ mod looks;
 mod rates;
 
 use super::*;
-use crate::{CheckOutcome, ComparedSubject};
 use crate::judge::baseline::{Parts, RecordedMetric, RecordedTrial, WorldPart};
+use crate::{CheckOutcome, ComparedSubject};
 use numbers::random::Stream;
 use scenario::Settings;
 
