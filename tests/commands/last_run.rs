@@ -143,8 +143,19 @@ fn a_result_is_of_the_text_or_stale() {
     folder.editor.change(&walk, WALK);
     assert_eq!(folder.titles(1)[2], "last run failed: 2 of 2 trials");
 
-    // A file that it uses, with the time of before and the same length.
+    // What is typed in a file that it uses makes its findings stale as well, and what is taken back current.
     let street = folder.root.join("street.scn");
+    folder.editor.open(&street, STREET);
+    for (text, severity) in [(STREET.replace("3.5 m", "3.6 m"), 3), (STREET.to_string(), 2)] {
+        folder.editor.change(&street, &text);
+        // Asks for something, so that all that was shown before has come.
+        folder.titles(1);
+        let shown = folder.editor.findings[&address(&walk)].iter().filter(|one| one["source"] == "last run");
+        let severities: Vec<_> = shown.map(|one| one["severity"].as_u64().unwrap()).collect();
+        assert!(!severities.is_empty() && severities.iter().all(|one| *one == severity), "{severities:?}");
+    }
+
+    // A file that it uses, with the time of before and the same length.
     let before = std::fs::metadata(&street).unwrap().modified().unwrap();
     std::fs::write(&street, STREET.replace("3.5 m", "3.6 m")).unwrap();
     std::fs::File::options().write(true).open(&street).unwrap().set_modified(before).unwrap();

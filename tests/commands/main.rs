@@ -5,6 +5,7 @@ mod cli;
 mod contacts;
 mod diff;
 mod drawn;
+mod edited_results;
 mod estimates;
 #[cfg(unix)]
 mod files;

@@ -115,6 +115,7 @@ fn serve(
         registry,
         documents: HashMap::new(),
         shown: HashMap::new(),
+        last_shown: HashMap::new(),
         workspace: Workspace::default(),
         runs: LastResults::default(),
     };
@@ -228,6 +229,8 @@ struct Server<'r, W> {
     documents: HashMap<Uri, Document>,
     /// The files that a document's findings were last shown in.
     shown: HashMap<Uri, Vec<Uri>>,
+    /// What the last run found in each document, as it is shown.
+    last_shown: HashMap<Uri, Vec<lsp_types::Diagnostic>>,
     workspace: Workspace,
     runs: LastResults,
 }
@@ -340,11 +343,14 @@ impl<W: Write> Server<'_, W> {
         let kept: usize = self.documents.values().map(|document| document.text.len()).sum();
         let document = Document::new(version, text, document::LARGEST_TOGETHER - kept);
         self.documents.insert(uri.clone(), document);
-        self.publish(&uri)
+        self.publish(&uri)?;
+        self.publish_resting_on(&uri)
     }
 
     fn close(&mut self, closed: &DidCloseTextDocumentParams) -> io::Result<()> {
         self.documents.remove(&closed.text_document.uri);
+        self.last_shown.remove(&closed.text_document.uri);
+        self.publish_resting_on(&closed.text_document.uri)?;
         for uri in self.shown.remove(&closed.text_document.uri).unwrap_or_default() {
             self.show(uri, None, Vec::new())?;
         }
@@ -377,16 +383,9 @@ impl<W: Write> Server<'_, W> {
                 Err(_) => _ = by_file.insert(own.clone(), vec![at_the_beginning("bug", BUG)]),
             }
         }
-        let files = self.files();
-        let shown = Shown {
-            path: &path,
-            text: &document.text,
-            workspace: &self.workspace,
-            runs: &self.runs,
-            texts: TextsNow::new(&files),
-        };
-        let last = catch_unwind(AssertUnwindSafe(|| lenses::findings(&shown)));
-        by_file.entry(own.clone()).or_default().extend(last.unwrap_or_default());
+        let last = self.last_findings(uri);
+        by_file.entry(own.clone()).or_default().extend(last.iter().cloned());
+        self.last_shown.insert(uri.clone(), last);
         let mut fresh = Vec::new();
         for (name, diagnostics) in by_file {
             let is_own = name == own;
@@ -402,6 +401,31 @@ impl<W: Write> Server<'_, W> {
             }
         }
         Ok(())
+    }
+
+    /// What the last run found in a document, as of the texts that are open now.
+    fn last_findings(&self, uri: &Uri) -> Vec<lsp_types::Diagnostic> {
+        let (Some(document), Some(path)) = (self.documents.get(uri), path_of(uri)) else { return Vec::new() };
+        let files = self.files();
+        let shown = Shown {
+            path: &path,
+            text: &document.text,
+            workspace: &self.workspace,
+            runs: &self.runs,
+            texts: TextsNow::new(&files),
+        };
+        catch_unwind(AssertUnwindSafe(|| lenses::findings(&shown))).unwrap_or_default()
+    }
+
+    /// Shows other documents again whose findings of the last run rest on a text that has changed, saved or not.
+    fn publish_resting_on(&mut self, changed: &Uri) -> io::Result<()> {
+        let others = self.documents.keys().filter(|uri| *uri != changed);
+        let outdated = |uri: &&Uri| {
+            let shown = self.last_shown.get(*uri);
+            shown.is_some_and(|shown| !shown.is_empty() && *shown != self.last_findings(uri))
+        };
+        let outdated: Vec<Uri> = others.filter(outdated).cloned().collect();
+        outdated.iter().try_for_each(|uri| self.publish(uri))
     }
 
     fn show(

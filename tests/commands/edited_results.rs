@@ -1,0 +1,119 @@
+//! Results that were edited by hand: `report` works verdicts out again, and takes none that is not what its runs come to.
+
+use std::fs;
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use crate::support::program::{scenario_runner, stderr, stdout};
+
+const SUITE: &str = "road r { lane_width 3.5 m; speed_limit 50 km/h; crossing zebra }
+define street {
+  road r
+  vehicle av { controller constant_speed; speed 36 km/h; start 30 m before crossing }
+  pedestrian walker { model scripted { speed: 1.4 m/s }; start 2 m from kerb; appears at late }
+}
+scenario hit : street {
+  vary late in [0.5 s, 1 s]
+  expect { no collision; pet >= 1 s }
+}
+statement many { \"many\"; source \"free choice\"; claim rate(collision) of hit <= 10 % }
+";
+
+/// The results of a run that fails.
+fn results(folder: &Path) -> Value {
+    fs::write(folder.join("a.scn"), SUITE).unwrap();
+    let output = scenario_runner(folder, &["run", "a.scn", "--json", "r.json"]);
+    assert_eq!(output.status.code(), Some(100), "{}{}", stdout(&output), stderr(&output));
+    serde_json::from_str(&fs::read_to_string(folder.join("r.json")).unwrap()).unwrap()
+}
+
+/// The exit code of `report` on these results, and what it says.
+fn report(folder: &Path, results: &Value) -> (Option<i32>, String) {
+    fs::write(folder.join("edited.json"), results.to_string()).unwrap();
+    let output = scenario_runner(folder, &["report", "edited.json"]);
+    (output.status.code(), stderr(&output))
+}
+
+/// Says that everything passed, wherever there is a word for it.
+fn all_green(value: &mut Value) {
+    match value {
+        Value::String(word) if word == "failed" => *word = "passed".to_string(),
+        Value::Array(items) => items.iter_mut().for_each(all_green),
+        Value::Object(members) => members.values_mut().for_each(all_green),
+        _ => {}
+    }
+}
+
+#[test]
+fn edited_verdicts_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let whole = results(folder.path());
+    assert_eq!(report(folder.path(), &whole).0, Some(100));
+    assert_eq!(whole["overall"], json!({ "verdict": "failed", "exit_code": 100 }));
+    let green = json!({ "verdict": "passed", "exit_code": 0 });
+    type Edit = fn(&mut Value);
+    let edits: [(&str, Edit); 6] = [
+        ("the overall verdict alone", |_| {}),
+        ("the verdicts of trials", |value| {
+            for trial in value["suites"][0]["trials"].as_array_mut().unwrap() {
+                trial["verdict"] = json!("passed");
+            }
+        }),
+        ("every verdict", all_green),
+        ("every verdict, and the runs that hold", |value| {
+            all_green(value);
+            for trial in value["suites"][0]["trials"].as_array_mut().unwrap() {
+                for finding in trial["findings"].as_array_mut().unwrap() {
+                    finding["holding"] = finding["runs"].clone();
+                    finding["observed"] = json!(1.0);
+                }
+            }
+        }),
+        ("every verdict, and what the statement says", |value| {
+            all_green(value);
+            let result = &mut value["suites"][0]["blocks"][0]["result"]["statement"];
+            result["conclusion"] = json!("reproduced");
+            result["claims"][0]["holds"] = json!(true);
+        }),
+        ("a value of a run", |value| {
+            value["overall"] = json!({ "verdict": "failed", "exit_code": 100 });
+            value["suites"][0]["trials"][0]["runs"][0]["metrics"]["collision"] = json!(0.0);
+        }),
+    ];
+    for (what, edit) in edits {
+        let mut edited = whole.clone();
+        edited["overall"] = green.clone();
+        edit(&mut edited);
+        let (code, said) = report(folder.path(), &edited);
+        assert_eq!(code, Some(2), "{what}: {said}");
+        assert!(said.contains("error: cannot report edited.json:"), "{what}: {said}");
+    }
+}
+
+#[test]
+fn results_say_the_exit_code_that_the_run_earned() {
+    let folder = tempfile::tempdir().unwrap();
+    let of = |text: &str, more: &[&str]| {
+        fs::write(folder.path().join("b.scn"), text).unwrap();
+        let ran = scenario_runner(folder.path(), &[&["run", "b.scn", "--json", "b.json"], more].concat());
+        let text = fs::read_to_string(folder.path().join("b.json")).unwrap();
+        let results: Value = serde_json::from_str(&text).unwrap();
+        let again = scenario_runner(folder.path(), &["report", "b.json"]);
+        let code = ran.status.code();
+        assert_eq!(results["overall"]["exit_code"].as_i64(), code.map(i64::from), "{}", stderr(&ran));
+        assert_eq!(again.status.code(), code, "{}", stderr(&again));
+        (code, results["overall"]["verdict"].as_str().unwrap().to_string())
+    };
+    let said = |code: i32, verdict: &str| (Some(code), verdict.to_string());
+    assert_eq!(of(SUITE, &[]), said(100, "failed"));
+    let passes =
+        SUITE.replace("[0.5 s, 1 s]", "[0 s]").replace("no collision; pet >= 1 s", "time_lost <= 9 s");
+    let alone = &passes[..passes.find("statement").unwrap()];
+    assert_eq!(of(alone, &[]), said(0, "passed"));
+    assert_eq!(of(&alone.replace("time_lost <= 9 s", ""), &[]), said(102, "nothing_judged"));
+    // What was never put to the test, and may not be.
+    let late = alone.replace("[0 s]", "[200 s]").replace("time_lost <= 9 s", "no collision");
+    assert_eq!(of(&late, &[]), said(0, "passed"));
+    assert_eq!(of(&late, &["--deny", "untested"]), said(102, "inconclusive"));
+}
