@@ -155,6 +155,8 @@ fn a_result_is_of_the_text_or_stale() {
         assert!(!severities.is_empty() && severities.iter().all(|one| *one == severity), "{severities:?}");
     }
 
+    folder.editor.tell("textDocument/didClose", json!({ "textDocument": { "uri": address(&street) } }));
+
     // A file that it uses, with the time of before and the same length.
     let before = std::fs::metadata(&street).unwrap().modified().unwrap();
     std::fs::write(&street, STREET.replace("3.5 m", "3.6 m")).unwrap();
