@@ -4,9 +4,6 @@ use serde::{Deserialize, Serialize};
 
 use super::cases::CaseRun;
 use super::finding::Untested;
-use super::outcome::Outcome;
-use super::requests::Requests;
-use crate::judge::untested_by;
 use numbers::inference::Interval;
 use scenario::{Measure, Notation, Target, Value};
 
@@ -40,31 +37,6 @@ pub struct UntestedMeasures {
     pub measures: Vec<String>,
     /// Why.
     pub reason: Untested,
-}
-
-impl EvaluateResult {
-    /// The measures that are of runs in which nothing was at stake, condition by condition.
-    pub fn untested(&self) -> Vec<UntestedMeasures> {
-        let mut found: Vec<UntestedMeasures> = Vec::new();
-        for condition in &self.conditions {
-            let outcomes: Vec<Outcome> = condition.runs.iter().map(|run| run.outcome.clone()).collect();
-            for measure in &self.measures {
-                let metric = measure.aggregate.metric();
-                let Some(reason) = untested_by(metric, &outcomes, &Requests::default()) else { continue };
-                let is_it =
-                    |one: &&mut UntestedMeasures| one.condition == condition.name && one.reason == reason;
-                match found.iter_mut().find(is_it) {
-                    Some(known) => known.measures.push(measure.text.clone()),
-                    None => found.push(UntestedMeasures {
-                        condition: condition.name.clone(),
-                        measures: vec![measure.text.clone()],
-                        reason,
-                    }),
-                }
-            }
-        }
-        found
-    }
 }
 
 /// One condition over all the cases.

@@ -3,7 +3,10 @@
 use std::sync::Arc;
 
 use super::possible::cannot_fail;
-use crate::{Finding, Outcome, PairPresence, Requests, Untested, UntestedPair, Verdict};
+use crate::{
+    EvaluateResult, Finding, Outcome, PairPresence, Requests, Untested, UntestedMeasures, UntestedPair,
+    Verdict,
+};
 use scenario::{
     Aggregate, Claim, Comparison, Criterion, Expression, MetricReference, Scope, Stake, constant,
 };
@@ -54,6 +57,31 @@ pub fn has_encounter(comparison: &Comparison, outcome: &Outcome, requests: &Requ
     match &stake.needs {
         Needs::Pairs(pairs) => pairs.is_empty() || pairs.iter().any(|pair| stake.is_tested(pair, outcome)),
         _ => stake.untested(&[]).is_none(),
+    }
+}
+
+impl EvaluateResult {
+    /// The measures that are of runs in which nothing was at stake, condition by condition.
+    pub fn untested(&self) -> Vec<UntestedMeasures> {
+        let mut found: Vec<UntestedMeasures> = Vec::new();
+        for condition in &self.conditions {
+            let outcomes: Vec<Outcome> = condition.runs.iter().map(|run| run.outcome.clone()).collect();
+            for measure in &self.measures {
+                let metric = measure.aggregate.metric();
+                let Some(reason) = untested_by(metric, &outcomes, &Requests::default()) else { continue };
+                let is_it =
+                    |one: &&mut UntestedMeasures| one.condition == condition.name && one.reason == reason;
+                match found.iter_mut().find(is_it) {
+                    Some(known) => known.measures.push(measure.text.clone()),
+                    None => found.push(UntestedMeasures {
+                        condition: condition.name.clone(),
+                        measures: vec![measure.text.clone()],
+                        reason,
+                    }),
+                }
+            }
+        }
+        found
     }
 }
 
