@@ -15,6 +15,7 @@ mod diffing;
 mod draws;
 mod estimating;
 mod executors;
+mod following;
 mod ground;
 mod hiding;
 mod jaywalker;

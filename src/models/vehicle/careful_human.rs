@@ -1,14 +1,14 @@
 //! The competent and careful human driver of UN R157, adapted from vehicles that cut in to pedestrians.
 //!
 //! The regulation's driver perceives a risk, evaluates it for 0.4 s, starts to brake 0.75 s later and reaches 0.774 g
-//! within 0.6 s. What counts as a risk is adapted here: a pedestrian on the road who is on a collision course, at a
+//! within 0.6 s. What counts as a risk is adapted here: a pedestrian on the road who is on a collision course, or the vehicle ahead, at a
 //! time to collision below 2 s or too near for the driver to stop later.
 
-use super::hazard::{Ramp, collision_course, keep_speed};
+use super::hazard::{Lead, Ramp, collision_course, keep_speed, lead, met_when_setting_off};
 use super::period::period;
 use super::red_light::{self, RedLight};
 use super::{CommandKind, ControllerContext, ControllerModel};
-use scenario::{Chance, Declaration, Dimension, Parameter, SignalConduct};
+use scenario::{Attention, Chance, Declaration, Dimension, LooksAt, Parameter, SignalConduct};
 use sim::{Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule, SeenPedestrian};
 
 const R157: &str = "UN R157 annex 3 (annex 4 appendix 3 of the original version), performance \
@@ -113,6 +113,7 @@ pub fn careful_human() -> ControllerModel {
         .driving("ideal")
         .chance(Chance::Never)
         .signals(SignalConduct::Obeys)
+        .attention(Attention::Reacts(|_| LooksAt::OWN_LANE))
 }
 
 struct CarefulHuman {
@@ -176,19 +177,51 @@ fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError>
 /// Absorbs the rounding of summed times, s.
 const TIME_TOLERANCE: f64 = 1e-9;
 
+/// So much farther (m) than where it is a risk the vehicle ahead has to be before the driver speeds up towards it; free choice.
+const NOT_PRESSING_ON: f64 = 1.0;
+
 impl CarefulHuman {
     /// Whether anybody is on a collision course (`near`: and near enough to be a risk).
     fn any_conflict(&self, observation: &Observation, near: bool) -> bool {
-        observation.pedestrians.iter().any(|seen| {
+        let ego = &observation.ego;
+        let people = observation.pedestrians.iter().any(|seen| {
             self.on_the_road(observation, seen)
-                && collision_course(&observation.ego, seen, self.margin).is_some_and(|hazard| {
-                    let speed = observation.ego.speed;
+                && collision_course(ego, seen, self.margin).is_some_and(|hazard| {
                     !near
                         || hazard.time_to_collision < self.risk_time
                         || self.anticipates
-                            && hazard.gap - self.standstill_gap < self.stopping_distance(speed)
+                            && hazard.gap - self.standstill_gap < self.stopping_distance(ego.speed)
                 })
-        })
+        });
+        let is_conflict = |ahead: Lead| {
+            ahead.time_to_collision.is_finite()
+                && (!near
+                    || ahead.time_to_collision < self.risk_time
+                    || self.anticipates && self.room_behind(&ahead, ego.speed) < 0.0)
+        };
+        people || observation.vehicles.iter().filter_map(|seen| lead(ego, seen)).any(is_conflict)
+    }
+
+    /// What is left (m) of the gap to the vehicle ahead if that brakes now as hard as the driver can, and the driver reacts to it.
+    fn room_behind(&self, ahead: &Lead, speed: f64) -> f64 {
+        let own = self.stopping_distance(speed);
+        let others = ahead.speed.max(0.0);
+        let others = self.stopping_distance(others) - others * (self.risk_evaluation + self.reaction_delay);
+        ahead.gap - self.standstill_gap - own + others
+    }
+
+    /// Whether the driver leaves the speed as it is, since somebody or something is before the vehicle: from standstill people who are in
+    /// its strip or will be, near enough that it would have to brake for them before it is at its wanted speed; always the vehicle ahead.
+    fn holds(&self, observation: &Observation) -> bool {
+        let ego = &observation.ego;
+        let reach = self.standstill_gap + self.stopping_distance(observation.cruise_speed);
+        let person = |seen: &SeenPedestrian| {
+            let gap = met_when_setting_off(ego, seen, self.margin, self.acceleration);
+            self.on_the_road(observation, seen) && gap.is_some_and(|gap| gap < reach)
+        };
+        let too_near = |ahead: Lead| self.room_behind(&ahead, ego.speed) < NOT_PRESSING_ON;
+        ego.speed == 0.0 && observation.pedestrians.iter().any(person)
+            || observation.vehicles.iter().filter_map(|seen| lead(ego, seen)).any(too_near)
     }
 
     fn on_the_road(&self, observation: &Observation, seen: &SeenPedestrian) -> bool {
@@ -250,7 +283,8 @@ impl Controller for CarefulHuman {
             // The first decision after the delay begins the ramp.
             ramp.toward(-self.deceleration, jerk, duration)
         } else {
-            keep_speed(speed, observation.cruise_speed, self.acceleration, self.deceleration)
+            let wanted = keep_speed(speed, observation.cruise_speed, self.acceleration, self.deceleration);
+            if wanted > 0.0 && self.holds(observation) { 0.0 } else { wanted }
         };
         let red = self.red_light.as_mut().and_then(|rule| rule.braking(observation));
         let Some(braking) = red else {

@@ -3,9 +3,9 @@
 use std::borrow::Cow;
 
 use super::hazard::{Ramp, half_size};
-use super::idm_aeb::{IdmAeb, parameters};
+use super::idm_aeb::{IdmAeb, looks_at, parameters};
 use super::{CommandKind, ControllerContext, ControllerModel};
-use scenario::{Chance, ChoiceOption, Declaration, Dimension, GRAVITY, Parameter, REAR_AXLE, SignalConduct};
+use scenario::{Attention, Chance, ChoiceOption, Declaration, Dimension, GRAVITY, Parameter, REAR_AXLE, SignalConduct};
 use sim::{Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule, SeenPedestrian};
 
 const ASSUMED: &str = "assumption";
@@ -89,6 +89,7 @@ pub fn idm_aes() -> ControllerModel {
         .driving("ideal")
         .chance(Chance::Never)
         .signals(SignalConduct::Obeys)
+        .attention(Attention::Reacts(looks_at))
         .steering()
 }
 

@@ -1,10 +1,11 @@
 //! A driver who yields: stops before a zebra for anybody at or near the kerb.
 
 use super::hazard::{collision_course, keep_speed};
+use super::idm::Idm;
 use super::period::period;
 use super::red_light::{self, RedLight};
 use super::{CommandKind, ControllerContext, ControllerModel};
-use scenario::{Chance, Declaration, Dimension, Parameter, SignalConduct};
+use scenario::{Attention, Chance, Declaration, Dimension, LooksAt, Parameter, SignalConduct};
 use sim::{Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule, SeenPedestrian};
 
 const RULE: &str = "Vienna Convention on Road Traffic (1968), article 21: give way to pedestrians \
@@ -15,7 +16,7 @@ pub fn yielding() -> ControllerModel {
     let declaration = Declaration::new(
         "yielding",
         "Stops before the crossing for a pedestrian on it, at or near the kerb, if it \
-         can brake in time, and waits.",
+         can brake in time, and waits; follows the vehicle ahead.",
     )
     .source(RULE)
     .parameters([
@@ -111,6 +112,7 @@ pub fn yielding() -> ControllerModel {
         .driving("ideal")
         .chance(Chance::Never)
         .signals(SignalConduct::Obeys)
+        .attention(Attention::Reacts(|_| LooksAt::OWN_LANE))
 }
 
 struct Yielding {
@@ -126,6 +128,8 @@ struct Yielding {
     margin: f64,
     patience: f64,
     acceleration: f64,
+    /// Behind vehicles ahead.
+    idm: Idm,
     /// How far each pedestrian has come, by identity.
     progress: Vec<Progress>,
     stopping: bool,
@@ -169,6 +173,7 @@ fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError>
         margin: settings.number("margin"),
         patience: settings.optional_number("patience").unwrap_or(f64::INFINITY),
         acceleration: settings.number("acceleration"),
+        idm: Idm::behind_others(settings.number("acceleration"), comfortable),
         progress: vec![Progress::Before; context.world.pedestrians.len()],
         stopping: false,
         standing_since: None,
@@ -297,7 +302,11 @@ impl Controller for Yielding {
     }
 
     fn act(&mut self, observation: &Observation) -> Result<Command, ControllerError> {
-        let acceleration = self.among_people(observation);
+        let mut acceleration = self.among_people(observation);
+        if let Some(behind) = self.idm.bound(observation).filter(|behind| *behind < acceleration) {
+            self.mode = "following";
+            acceleration = behind;
+        }
         let braking = self.red_light.as_mut().and_then(|rule| rule.braking(observation));
         if let Some(braking) = braking.filter(|braking| -braking <= acceleration) {
             self.mode = red_light::mode(red_light::stands(observation.ego.speed));

@@ -13,7 +13,7 @@ use super::{CommandKind, ControllerContext, ControllerModel};
 use declaration::KMH;
 use light::LightTest;
 use obstacle::ObstacleTest;
-use scenario::{Chance, Settings, SignalConduct};
+use scenario::{Attention, Chance, LooksAt, Settings, SignalConduct};
 use sim::{Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule};
 use speed_controller::SpeedController;
 
@@ -23,6 +23,7 @@ pub fn carla_behavior() -> ControllerModel {
         .driving("generic")
         .chance(Chance::Never)
         .signals(SignalConduct::Obeys)
+        .attention(Attention::Reacts(|_| LooksAt::OWN_LANE))
 }
 
 struct CarlaBehavior {
