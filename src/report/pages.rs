@@ -5,8 +5,8 @@ use std::fmt::Write;
 use super::format::with_unit;
 use scenario::registry::Registry;
 use scenario::{
-    Attention, ControllerModel, Declaration, Dimension, LooksAt, Parameter, ParameterKind, PresetFamily, Settings,
-    SignalConduct, Value,
+    Attention, ControllerModel, Declaration, Dimension, LooksAt, Parameter, ParameterKind, PresetFamily,
+    Settings, SignalConduct, Value,
 };
 
 /// A page about one registered model.
@@ -45,7 +45,11 @@ pub fn model_pages(registry: &Registry) -> Vec<ModelPage> {
     });
     let controllers = registry.controllers().iter().map(|model| {
         let dynamics = format!("Drives `{}` unless told otherwise.", model.default_dynamics);
-        ModelPage::new("controller", &model.declaration, &[dynamics, signals(model.signals), attention(model)])
+        ModelPage::new(
+            "controller",
+            &model.declaration,
+            &[dynamics, signals(model.signals), attention(model)],
+        )
     });
     let dynamics = registry.dynamics().iter().map(|model| {
         let (length, width) = model.size;
@@ -74,7 +78,9 @@ fn attention(model: &ControllerModel) -> String {
     let looks_at = match model.attention {
         Attention::Scripted => return "It looks at nothing on the road.".to_string(),
         Attention::Own => return "It is told of everything on the road and decides by itself.".to_string(),
-        Attention::Reacts(looks_at) => model.declaration.resolve(&Settings::default()).map(|settings| looks_at(&settings)),
+        Attention::Reacts(looks_at) => {
+            model.declaration.resolve(&Settings::default()).map(|settings| looks_at(&settings))
+        }
     };
     let Ok(LooksAt { people_crossing, people_along, vehicles_ahead, other_roads }) = looks_at else {
         return "What it looks at depends on its settings.".to_string();
@@ -86,7 +92,8 @@ fn attention(model: &ControllerModel) -> String {
         (other_roads, "vehicles of other roads"),
     ];
     let those = |wanted: bool| {
-        let names: Vec<&str> = all.iter().filter(|(looks, _)| *looks == wanted).map(|(_, name)| *name).collect();
+        let names: Vec<&str> =
+            all.iter().filter(|(looks, _)| *looks == wanted).map(|(_, name)| *name).collect();
         names.join(", ")
     };
     format!("With its defaults it looks at: {}; not at: {}.", those(true), those(false))

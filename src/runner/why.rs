@@ -236,12 +236,7 @@ impl WhatIfs<'_> {
         if about.pedestrian.is_some() { began.next() } else { began.last() }
     }
 
-    fn earlier(
-        &self,
-        vehicle: usize,
-        seen: Option<f64>,
-        braked: Option<f64>,
-    ) -> Result<WhatIf, BatchError> {
+    fn earlier(&self, vehicle: usize, seen: Option<f64>, braked: Option<f64>) -> Result<WhatIf, BatchError> {
         let name = self.case.world.vehicles[vehicle].name.clone();
         let Some(braked) = braked else {
             let because = format!(
@@ -283,10 +278,7 @@ impl WhatIfs<'_> {
     }
 
     /// Runs at decelerations, the smallest first: those that are always tried, and those that show the smallest that is enough to 0.01 m/s².
-    fn decelerations(
-        &self,
-        change: impl Fn(f64) -> RunChange,
-    ) -> Result<Vec<TriedDeceleration>, BatchError> {
+    fn decelerations(&self, change: impl Fn(f64) -> RunChange) -> Result<Vec<TriedDeceleration>, BatchError> {
         let (step, most) = DECELERATIONS;
         let at = |number: usize| {
             let deceleration = number as f64 * UNIT;

@@ -9,8 +9,9 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use super::agent::{CommandKind, Controller, Dynamics, ModelError, Pedestrian, Perception, Schedule};
 use super::{
-    Appearance, Attention, Chance, Declaration, DeclaredProgram, Dimension, Parameter, Path, Position, Reference,
-    Registered, Road, RoadUserKind, SettingError, Settings, Shape, Side, SignalConduct, Text, VehicleStart,
+    Appearance, Attention, Chance, Declaration, DeclaredProgram, Dimension, Parameter, Path, Position,
+    Reference, Registered, Road, RoadUserKind, SettingError, Settings, Shape, Side, SignalConduct, Text,
+    VehicleStart,
 };
 
 /// What the simulation needs to know of a case.

@@ -258,11 +258,7 @@ fn right_of(normal: Vector2<f64>) -> Vector2<f64> {
 
 /// The direction of the line between a walker and a body, and what lies between them along it, m; none if nobody gets that far by ways of at
 /// most `longest` m.
-fn line(
-    walker: &Footprint,
-    body: &Footprint,
-    (longest, gap): (f64, f64),
-) -> Option<(Vector2<f64>, f64)> {
+fn line(walker: &Footprint, body: &Footprint, (longest, gap): (f64, f64)) -> Option<(Vector2<f64>, f64)> {
     let offset = body.centre - walker.centre;
     if offset.norm() > walker.radius() + body.radius() + gap + GAP + 2.0 * longest {
         return None;

@@ -108,11 +108,12 @@ proptest! {
     ) {
         let walker = format!("pedestrian p {{ model scripted; start 2 m from kerb; appears at {appears} s }}");
         let own = format!("vehicle av {{ controller {controller}; speed {speed} km/h; start 80 m before crossing }}");
-        let alone = course(&format!("vehicle gone {{ controller constant_speed; speed {speed} km/h; lane 1; start 300 m before crossing }} {walker} {own}"));
+        let alone = course(&format!("vehicle gone {{ controller constant_speed; speed {speed} km/h; lane 1; start 300 m before crossing }}\n  {walker}\n  {own}"));
         let others = format!(
             "vehicle behind {{ controller constant_speed; speed 10 km/h; start 100 m before crossing }}
   vehicle oncoming {{ controller constant_speed; speed 30 km/h; lane 1; start 70 m before crossing }}
-  {walker} {own}"
+  {walker}
+  {own}"
         );
         let among = course(&others);
         let both = alone.places.iter().zip(&among.places);

@@ -31,6 +31,7 @@ mod same_as;
 mod sequential_gates;
 mod several_others;
 mod signals;
+mod steadiness;
 mod steering;
 #[path = "../support/mod.rs"]
 mod support;

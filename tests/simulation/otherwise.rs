@@ -188,13 +188,15 @@ fn what_would_be_enough_takes_the_place_of_its_own_braking() {
     let story = rear_end("controller idm_aeb; speed 20 m/s; dynamics ideal { max_deceleration: 1 m/s^2 }");
     let contact = story.contact.as_ref().expect("it brakes too little");
     assert_eq!((&*contact.vehicle, &*contact.with), ("av", "first"));
-    let Otherwise::Decelerates { vehicle, from: Some(from), is_first_braking: true } = &story.otherwise[1].what
+    let Otherwise::Decelerates { vehicle, from: Some(from), is_first_braking: true } =
+        &story.otherwise[1].what
     else {
         panic!("{:?}", story.otherwise[1])
     };
     assert_eq!(vehicle, "av");
     let index = story.trace.samples.iter().filter(|sample| sample.who == 1);
-    let began = index.min_by(|one, other| (one.time - from).abs().total_cmp(&(other.time - from).abs())).unwrap();
+    let began =
+        index.min_by(|one, other| (one.time - from).abs().total_cmp(&(other.time - from).abs())).unwrap();
     // Its front until the rear of the one that stands.
     let (way, speed) = (-4.0 - (began.position.x + 2.0), began.velocity.norm());
     let needed = speed * speed / (2.0 * way);
@@ -207,15 +209,20 @@ fn what_would_be_enough_takes_the_place_of_its_own_braking() {
 fn swerves_and_lane_departures_are_events() {
     let story = told(
         "scenario swerves {
-  road { lanes forward, backward; lane_width 3 m; speed_limit 80 km/h; crossing zebra }
-  vehicle av { controller idm_aes; speed 50 km/h; size 4.2 m x 1.8 m; start 60 m before crossing }
-  pedestrian walker { model scripted { speed: 2 m/s, stop_after: 1.6 m, stop_for: 20 s }; start 0.3 m from kerb; appears at 3.2 s }
-  horizon 40 s
-  expect { no collision; max_deceleration <= 1 m/s^2 }
+  road { lanes forward, backward; lane_width 3.5 m; speed_limit 50 km/h; crossing unmarked }
+  vehicle av { controller idm_aes; speed 50 km/h; start 60 m before crossing }
+  pedestrian walker {
+    model scripted { speed: 1.4 m/s }
+    size 0.5 m x 0.4 m
+    start 3.2 m from lane centre
+    appears when time_to_arrival(av.front) = 1.5 s
+  }
+  expect { no collision }
 }
 ",
     );
-    let of_av: Vec<_> = story.events.iter().filter(|event| event.who == "av").map(|event| &event.what).collect();
+    let of_av: Vec<_> =
+        story.events.iter().filter(|event| event.who == "av").map(|event| &event.what).collect();
     let place = |wanted: fn(&sim::Happening) -> bool| of_av.iter().position(|what| wanted(what));
     let swerves = place(|what| matches!(what, sim::Happening::Swerves { left: true }));
     let leaves = place(|what| matches!(what, sim::Happening::LeavesLane { left: true }));

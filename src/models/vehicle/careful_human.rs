@@ -4,7 +4,7 @@
 //! within 0.6 s. What counts as a risk is adapted here: a pedestrian on the road who is on a collision course, or the vehicle ahead, at a
 //! time to collision below 2 s or too near for the driver to stop later.
 
-use super::hazard::{Lead, Ramp, collision_course, keep_speed, lead, met_when_setting_off};
+use super::hazard::{Lead, Ramp, TIE, collision_course, keep_speed, lead, met_when_setting_off};
 use super::period::period;
 use super::red_light::{self, RedLight};
 use super::{CommandKind, ControllerContext, ControllerModel};
@@ -188,16 +188,16 @@ impl CarefulHuman {
             self.on_the_road(observation, seen)
                 && collision_course(ego, seen, self.margin).is_some_and(|hazard| {
                     !near
-                        || hazard.time_to_collision < self.risk_time
+                        || hazard.time_to_collision < self.risk_time - TIE
                         || self.anticipates
-                            && hazard.gap - self.standstill_gap < self.stopping_distance(ego.speed)
+                            && hazard.gap - self.standstill_gap < self.stopping_distance(ego.speed) - TIE
                 })
         });
         let is_conflict = |ahead: Lead| {
             ahead.time_to_collision.is_finite()
                 && (!near
-                    || ahead.time_to_collision < self.risk_time
-                    || self.anticipates && self.room_behind(&ahead, ego.speed) < 0.0)
+                    || ahead.time_to_collision < self.risk_time - TIE
+                    || self.anticipates && self.room_behind(&ahead, ego.speed) < -TIE)
         };
         people || observation.vehicles.iter().filter_map(|seen| lead(ego, seen)).any(is_conflict)
     }
@@ -226,7 +226,7 @@ impl CarefulHuman {
 
     fn on_the_road(&self, observation: &Observation, seen: &SeenPedestrian) -> bool {
         let y = seen.position.y;
-        (y - observation.road.right_kerb).min(observation.road.left_kerb - y) >= self.risk_line
+        (y - observation.road.right_kerb).min(observation.road.left_kerb - y) >= self.risk_line - TIE
     }
 
     /// From the perception of a risk to standstill, m.
@@ -407,6 +407,56 @@ mod tests {
         assert!(modes(|_| (Vector2::new(50.0, -2.5), Vector2::new(0.0, 1.4))));
         assert!(modes(|time| (Vector2::new(50.0, -2.0 + 1.4 * time), Vector2::new(0.0, 1.4))));
         assert!(!modes(|_| (Vector2::new(50.0, 0.0), Vector2::zeros())));
+    }
+
+    /// Drives for a while (s) behind a vehicle whose place (m) and speed (m/s) are functions of time, once it is there; the gap, the speed and
+    /// the mode after each step.
+    fn behind(lead: impl Fn(f64) -> Option<(f64, f64)>, duration: f64) -> Vec<(f64, f64, Mode)> {
+        let mut track = track(&[]);
+        let step = |index: usize| {
+            track.observation.vehicles.clear();
+            let ahead = lead(index as f64 * 0.025);
+            if let Some((place, speed)) = ahead {
+                track.see_vehicle(place - track.motion.travelled, speed);
+            }
+            let sample = track.advance();
+            let gap = ahead.map_or(f64::INFINITY, |(place, _)| place - track.motion.travelled - 4.5);
+            (gap, sample.speed, sample.mode)
+        };
+        (0..(duration / 0.025) as usize).map(step).collect()
+    }
+
+    #[test]
+    fn a_vehicle_that_stands_before_it_is_a_risk_with_the_same_times() {
+        let place = CRUISE + 4.5 + 17.2;
+        let samples = behind(|time| (time >= 1.0 - 1e-9).then_some((place, 0.0)), 8.0);
+        let first = |mode: &str| samples.iter().position(|sample| sample.2 == mode).unwrap() as f64 * 0.025;
+        assert!((first("evaluating") - 1.0).abs() < 0.026);
+        assert!((first("braking") - 2.15).abs() < 0.026, "{}", first("braking"));
+        let last = samples.last().unwrap();
+        assert!(last.1 == 0.0 && last.0 > 0.0, "{last:?}");
+    }
+
+    #[test]
+    fn a_slower_vehicle_is_followed_and_nothing_is_done_beyond_its_reach() {
+        let samples = behind(|time| Some((60.0 + 5.0 * time, 5.0)), 60.0);
+        // 1.15 s at 5 m/s and the metre that it keeps, and up to one more.
+        let settled = &samples[1600..];
+        assert!(settled.iter().all(|(gap, ..)| (6.0..9.5).contains(gap)), "{:?}", settled[0]);
+        assert!(settled.iter().all(|(_, speed, _)| (speed - 5.0).abs() < 0.5), "{:?}", settled[0]);
+        let far = behind(|time| Some((60.0 + 9.0 * time, 9.0)), 30.0);
+        assert!(far.iter().all(|sample| sample.2 == "cruise" && sample.1 == CRUISE));
+    }
+
+    #[test]
+    fn it_waits_behind_a_queue_and_goes_with_it() {
+        let place = |time: f64| {
+            let driven = (time - 20.0_f64).max(0.0);
+            Some((50.0 + driven * driven / 2.0, driven))
+        };
+        let samples = behind(place, 30.0);
+        assert!(samples[790].1 == 0.0 && (0.0..2.1).contains(&samples[790].0), "{:?}", samples[790]);
+        assert!(samples.iter().all(|(gap, ..)| *gap > 0.0) && samples.last().unwrap().1 > 5.0);
     }
 
     #[test]

@@ -3,6 +3,10 @@
 use scenario::{CROSSES, Shape};
 use sim::{EgoState, SeenPedestrian, SeenVehicle};
 
+/// Two numbers (m, s, m/s, m/s²) of which one is to be above the other count as equal if they are no farther apart than this: whole speeds and
+/// places come to thresholds exactly, and rounding is not to decide then.
+pub const TIE: f64 = 1e-6;
+
 /// A pedestrian on a collision course.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hazard {

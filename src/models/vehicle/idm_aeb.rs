@@ -1,13 +1,14 @@
 //! Intelligent-driver cruise with automatic emergency braking for pedestrians.
 
-use super::hazard::{Hazard, Ramp, collision_course};
+use super::hazard::{Hazard, Ramp, TIE, collision_course};
 use super::idm::{CITY, IDM, Idm};
 use super::period::period;
 use super::red_light::{self, RedLight};
 use super::{CommandKind, ControllerContext, ControllerModel};
 use nalgebra::Vector2;
 use scenario::{
-    Attention, CROSSES, Chance, ChoiceOption, Declaration, Dimension, LooksAt, Parameter, Settings, Shape, SignalConduct, Value,
+    Attention, CROSSES, Chance, ChoiceOption, Declaration, Dimension, LooksAt, Parameter, Settings, Shape,
+    SignalConduct, Value,
 };
 use sim::geometry::Footprint;
 use sim::{
@@ -300,7 +301,8 @@ impl IdmAeb {
 
     fn is_visible(&self, length: f64, position: Vector2<f64>) -> bool {
         let ahead = position.x - length / 2.0;
-        libm::hypot(ahead, position.y) <= self.range && libm::atan2(position.y, ahead).abs() <= self.half_view
+        libm::hypot(ahead, position.y) <= self.range + TIE
+            && libm::atan2(position.y, ahead).abs() <= self.half_view
     }
 }
 
@@ -321,7 +323,7 @@ impl Controller for IdmAeb {
         let hazard = nearest.map(|(_, hazard)| hazard.time_to_collision);
         let hazard = [hazard, self.crossed_after(observation)].into_iter().flatten().reduce(f64::min);
         let standing = observation.ego.speed == 0.0;
-        if self.braking.is_none() && hazard.is_some_and(|time| time <= self.trigger) {
+        if self.braking.is_none() && hazard.is_some_and(|time| time <= self.trigger + TIE) {
             self.braking = Some(Ramp::from(observation.ego.acceleration.min(0.0)));
             self.clear_since = None;
         } else if self.braking.is_some() && hazard.is_none() && (standing || !self.until_standstill) {

@@ -5,7 +5,9 @@ use std::borrow::Cow;
 use super::hazard::{Ramp, half_size};
 use super::idm_aeb::{IdmAeb, looks_at, parameters};
 use super::{CommandKind, ControllerContext, ControllerModel};
-use scenario::{Attention, Chance, ChoiceOption, Declaration, Dimension, GRAVITY, Parameter, REAR_AXLE, SignalConduct};
+use scenario::{
+    Attention, Chance, ChoiceOption, Declaration, Dimension, GRAVITY, Parameter, REAR_AXLE, SignalConduct,
+};
 use sim::{Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule, SeenPedestrian};
 
 const ASSUMED: &str = "assumption";

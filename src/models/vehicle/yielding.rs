@@ -1,6 +1,6 @@
 //! A driver who yields: stops before a zebra for anybody at or near the kerb.
 
-use super::hazard::{collision_course, keep_speed};
+use super::hazard::{TIE, collision_course, keep_speed};
 use super::idm::Idm;
 use super::period::period;
 use super::red_light::{self, RedLight};
@@ -238,10 +238,10 @@ impl Yielding {
             let beside =
                 (seen.position.x - crossing.distance).abs() - crossing.width / 2.0 - self.along_margin;
             let y = seen.position.y;
-            let near_kerb = y >= road.right_kerb - self.kerb_distance;
-            let far_kerb = y <= road.left_kerb + if self.far_kerb { self.kerb_distance } else { 0.0 };
+            let near_kerb = y >= road.right_kerb - self.kerb_distance - TIE;
+            let far_kerb = y <= road.left_kerb + TIE + if self.far_kerb { self.kerb_distance } else { 0.0 };
             let waits_only = !self.on_the_road(observation, seen);
-            beside <= 0.0
+            beside <= TIE
                 && near_kerb
                 && far_kerb
                 && self.progress[seen.id] != Progress::Across
@@ -262,7 +262,7 @@ impl Yielding {
             return;
         }
         let since = *self.standing_since.get_or_insert(observation.time);
-        self.impatient = self.impatient || observation.time - since >= self.patience;
+        self.impatient = self.impatient || observation.time - since >= self.patience - TIE;
     }
 }
 
@@ -340,13 +340,13 @@ impl Yielding {
             f64::INFINITY
         };
         let limit = if self.stopping { self.emergency_deceleration } else { self.max_deceleration };
-        if yields && needed <= limit {
-            self.stopping = self.stopping || needed >= self.deceleration || ego.speed == 0.0;
+        if yields && needed <= limit + TIE {
+            self.stopping = self.stopping || needed >= self.deceleration - TIE || ego.speed == 0.0;
         } else if !(yields && self.stopping && line > -0.5) {
             self.stopping = false;
         }
         let room = self.room(observation);
-        if ego.speed * ego.speed > 2.0 * self.max_deceleration * room {
+        if ego.speed * ego.speed > 2.0 * self.max_deceleration * room + TIE {
             self.mode = "emergency_braking";
             return -self.emergency_deceleration;
         }
@@ -462,6 +462,19 @@ mod tests {
         let samples = track.drive(15.0);
         assert!(samples.iter().any(|sample| sample.mode == "emergency_braking"));
         assert!(track.motion.speed == 0.0 && track.front() < 60.0 - 0.1875);
+    }
+
+    #[test]
+    fn stops_behind_a_vehicle_that_stands_before_its_line() {
+        let mut track = track(&[]);
+        track.place_pedestrian(60.0, -2.5);
+        for _ in 0..1600 {
+            track.see_vehicle(40.0 - track.motion.travelled, 0.0);
+            track.advance();
+        }
+        let gap = 40.0 - 2.25 - track.front();
+        assert!((1.9..2.6).contains(&gap) && track.motion.speed < 0.05, "{gap}");
+        assert_eq!(track.controller.mode(), "following");
     }
 
     #[test]
