@@ -91,8 +91,6 @@ enum Of {
     Box {
         index: usize,
         side: Side,
-        /// How far the walker may go along the normal so that it can turn there any way, m.
-        turning_room: f64,
     },
 }
 
@@ -110,7 +108,7 @@ impl KeepClear {
             wanted: vec![None; who.len()],
             detours: vec![None; who.len()],
             sides: vec![None; who.len() * boxes.len()],
-            lines: Vec::with_capacity(who.len().saturating_sub(1) + boxes.len()),
+            lines: Vec::with_capacity(who.len().saturating_sub(1) + 2 * boxes.len()),
             who,
             boxes,
         }
@@ -194,17 +192,32 @@ impl KeepClear {
         let now = Footprint::from(&people[index]);
         let inherited = self.detours[index].map(|detour| detour.side);
         self.lines.clear();
+        // They have to be able to turn before it.
+        let round = Footprint { shape: Shape::Disc { radius: now.radius() }, ..now };
         let sides = self.sides[index * self.boxes.len()..].iter_mut();
         for (number, (body, known)) in self.boxes.iter().zip(sides).enumerate() {
-            let found = line(&now, body, (longest, gap));
-            if found.is_none() {
+            let Some((normal, between)) = line(&round, body, (longest, gap)) else {
                 *known = None;
-            }
-            self.lines.extend(found.map(|(normal, between)| {
-                let side = known.or(inherited).unwrap_or_else(|| nearer_end(&now, body, normal, way));
-                let to_turn = between + now.reach(normal) - now.radius();
-                let of = Of::Box { index: number, side, turning_room: room(to_turn, gap, 1.0) };
-                Line { normal, room: room(between, gap, 1.0), apart: between > 0.0, of, has_bent: false }
+                continue;
+            };
+            let side = known.or(inherited).unwrap_or_else(|| nearer_end(&now, body, normal, way));
+            let of = Of::Box { index: number, side };
+            self.lines.push(Line {
+                normal,
+                room: room(between, gap, 1.0),
+                apart: false,
+                of,
+                has_bent: false,
+            });
+            // Nearer than that they go on as long as they touch nothing, but come no nearer.
+            let nearer =
+                line(&now, body, (longest, gap)).filter(|_| between <= 0.0 && now.shape != round.shape);
+            self.lines.extend(nearer.map(|(normal, between)| Line {
+                normal,
+                room: room(between, gap, 1.0),
+                apart: between > 0.0,
+                of,
+                has_bent: false,
             }));
         }
         let others = people.iter().enumerate().filter(|(other, state)| *other != index && state.present);
@@ -297,11 +310,7 @@ impl Line {
     fn crossed_by(&self, now: &Footprint, heading: Vector2<f64>, way: Vector2<f64>) -> f64 {
         let turned = Footprint { heading, ..*now };
         let turn = if self.apart { turned.reach(self.normal) - now.reach(self.normal) } else { 0.0 };
-        let over = way.dot(&self.normal);
-        match self.of {
-            Of::Person(_) => over + turn - self.room,
-            Of::Box { turning_room, .. } => (over + turn - self.room).max(over - turning_room),
-        }
+        way.dot(&self.normal) + turn - self.room
     }
 
     /// The step that is walked instead of `way`, which leads `much` over it, by who wants to go `wanted`, m.

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use proptest::prelude::*;
 use runner::run::road_users;
-use sim::{Timeline, TimelineEvent, simulate};
+use sim::{Happening, Timeline, TimelineEvent, simulate};
 
 use crate::support::text::planned;
 
@@ -90,13 +90,13 @@ fn moments(events: &[TimelineEvent]) -> BTreeMap<String, Vec<f64>> {
     found
 }
 
-/// What of two runs is not the same within a step.
-fn difference(one: &[TimelineEvent], other: &[TimelineEvent]) -> Option<String> {
+/// What of two runs is not the same within so much time, s.
+fn difference(one: &[TimelineEvent], other: &[TimelineEvent], tick: f64) -> Option<String> {
     let (one, other) = (moments(one), moments(other));
     let kinds: Vec<_> = one.keys().chain(other.keys()).collect();
     kinds.into_iter().find_map(|kind| {
         let (a, b) = (one.get(kind), other.get(kind));
-        let within = |(a, b): (&f64, &f64)| (a - b).abs() <= 0.025 + 1e-6;
+        let within = |(a, b): (&f64, &f64)| (a - b).abs() <= tick + 1e-6;
         let same = a.zip(b).is_some_and(|(a, b)| a.len() == b.len() && a.iter().zip(b).all(within));
         (!same).then(|| format!("{kind}: {a:?} and {b:?}"))
     })
@@ -122,7 +122,15 @@ proptest! {
         let plain = events(controller, &PLAIN, &meeting);
         for (what, street) in &SAME {
             let other = events(controller, street, &meeting);
-            prop_assert_eq!(difference(&plain, &other), None, "{} {}", controller, what);
+            let swerves = plain.iter().any(|event| matches!(event.what, Happening::Swerves { .. }));
+            let tick = match controller {
+                // A vehicle that steers back into its lane does so otherwise where the lane bends.
+                "idm_aes" if swerves && what.contains("bend") => 0.1,
+                // It decides every 50 ms.
+                _ if controller.starts_with("carla") => 0.05,
+                _ => 0.025,
+            };
+            prop_assert_eq!(difference(&plain, &other, tick), None, "{} {}", controller, what);
         }
     }
 }

@@ -26,19 +26,19 @@ pub fn collision_course(ego: &EgoState, pedestrian: &SeenPedestrian, margin: f64
     let radius = half_size(pedestrian.shape);
     let (x, y) = (pedestrian.position.x, pedestrian.position.y);
     let clear_behind = x + radius + ego.length / 2.0;
-    if clear_behind < 0.0 {
+    if clear_behind < -TIE {
         return None;
     }
     let gap = (x - radius - ego.length / 2.0).max(0.0);
     let half_width = ego.width / 2.0 + radius + margin;
     let closing = ego.speed - pedestrian.velocity.x;
     if closing <= NOT_CLOSING {
-        let inside = y.abs() <= half_width;
+        let inside = y.abs() <= half_width + TIE;
         return inside.then_some(Hazard { gap, time_to_collision: f64::INFINITY });
     }
     let (arrives, leaves) = (gap / closing, clear_behind / closing);
     let (first, last) = (y + pedestrian.velocity.y * arrives, y + pedestrian.velocity.y * leaves);
-    let meets = first.min(last) <= half_width && first.max(last) >= -half_width;
+    let meets = first.min(last) <= half_width + TIE && first.max(last) >= -half_width - TIE;
     meets.then_some(Hazard { gap, time_to_collision: arrives })
 }
 
@@ -60,8 +60,8 @@ pub fn met_when_setting_off(
     let half_width = ego.width / 2.0 + radius + margin;
     let after = |way: f64| y + pedestrian.velocity.y * (2.0 * way / acceleration).sqrt();
     let (first, last) = (after(gap), after(clear_behind));
-    let is_inside = y.abs() <= half_width;
-    let meets = first.min(last) <= half_width && first.max(last) >= -half_width;
+    let is_inside = y.abs() <= half_width + TIE;
+    let meets = first.min(last) <= half_width + TIE && first.max(last) >= -half_width - TIE;
     (is_inside || meets).then_some(gap)
 }
 

@@ -195,7 +195,7 @@ impl Yielding {
             let progress = &mut self.progress[seen.id];
             let outside = seen.position.y.abs() - half_lane;
             *progress = match *progress {
-                _ if outside <= 0.0 => Progress::InLane,
+                _ if outside <= TIE => Progress::InLane,
                 Progress::InLane if seen.velocity.y * seen.position.y > 0.0 => Progress::Across,
                 other => other,
             };
@@ -203,7 +203,7 @@ impl Yielding {
     }
 
     fn on_the_road(&self, observation: &Observation, seen: &SeenPedestrian) -> bool {
-        (observation.road.right_kerb..=observation.road.left_kerb).contains(&seen.position.y)
+        (observation.road.right_kerb - TIE..=observation.road.left_kerb + TIE).contains(&seen.position.y)
     }
 
     /// The crossing that it stops at: of those that it has not left behind the first at which somebody is whom it gives way to, else
