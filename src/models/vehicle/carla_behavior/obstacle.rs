@@ -86,7 +86,8 @@ impl ObstacleTest {
                 ),
                 Distances::Clean => (f64::INFINITY, f64::INFINITY),
             };
-            if walker.position.norm() >= radius - TIE || !self.beside(observation, walker.position.y, extent) {
+            if walker.position.norm() >= radius - TIE || !self.beside(observation, walker.position.y, extent)
+            {
                 return None;
             }
             let gap = gap_within(ego, walker.position, reach, self.walker_cone)?;
