@@ -4,7 +4,10 @@ use std::fmt::Write;
 
 use super::format::with_unit;
 use scenario::registry::Registry;
-use scenario::{Declaration, Dimension, Parameter, ParameterKind, PresetFamily, SignalConduct, Value};
+use scenario::{
+    Attention, ControllerModel, Declaration, Dimension, LooksAt, Parameter, ParameterKind, PresetFamily,
+    Settings, SignalConduct, Value,
+};
 
 /// A page about one registered model.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -42,7 +45,11 @@ pub fn model_pages(registry: &Registry) -> Vec<ModelPage> {
     });
     let controllers = registry.controllers().iter().map(|model| {
         let dynamics = format!("Drives `{}` unless told otherwise.", model.default_dynamics);
-        ModelPage::new("controller", &model.declaration, &[dynamics, signals(model.signals)])
+        ModelPage::new(
+            "controller",
+            &model.declaration,
+            &[dynamics, signals(model.signals), attention(model)],
+        )
     });
     let dynamics = registry.dynamics().iter().map(|model| {
         let (length, width) = model.size;
@@ -65,6 +72,31 @@ fn signals(conduct: SignalConduct) -> String {
         SignalConduct::Own => "is told what it shows and decides by itself",
     };
     format!("At a crossing with a signal it {does}.")
+}
+
+fn attention(model: &ControllerModel) -> String {
+    let looks_at = match model.attention {
+        Attention::Scripted => return "It looks at nothing on the road.".to_string(),
+        Attention::Own => return "It is told of everything on the road and decides by itself.".to_string(),
+        Attention::Reacts(looks_at) => {
+            model.declaration.resolve(&Settings::default()).map(|settings| looks_at(&settings))
+        }
+    };
+    let Ok(LooksAt { people_crossing, people_along, vehicles_ahead, other_roads }) = looks_at else {
+        return "What it looks at depends on its settings.".to_string();
+    };
+    let all = [
+        (people_crossing, "people who cross its lane"),
+        (people_along, "people who move along it"),
+        (vehicles_ahead, "vehicles ahead in it"),
+        (other_roads, "vehicles of other roads"),
+    ];
+    let those = |wanted: bool| {
+        let names: Vec<&str> =
+            all.iter().filter(|(looks, _)| *looks == wanted).map(|(_, name)| *name).collect();
+        names.join(", ")
+    };
+    format!("With its defaults it looks at: {}; not at: {}.", those(true), those(false))
 }
 
 fn reference(one: &Declaration, facts: &[String]) -> String {

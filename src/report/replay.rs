@@ -169,6 +169,11 @@ pub fn describe(what: &Happening) -> String {
             format!("passes the middle of the crossing at {}", speed(*at))
         }
         Happening::Brakes { speed: from } => format!("brakes from {}", speed(*from)),
+        Happening::Swerves { left } => format!("swerves to the {}", if *left { "left" } else { "right" }),
+        Happening::LeavesLane { left } => {
+            format!("leaves its lane over the {} edge", if *left { "left" } else { "right" })
+        }
+        Happening::ReturnsToLane => "is back in its lane".to_string(),
         Happening::Stops => "stands still".to_string(),
         Happening::Resumes => "moves off".to_string(),
         Happening::PassesFinishLine { speed: at } => format!("passes the finish line at {}", speed(*at)),

@@ -241,10 +241,14 @@ fn sentence(run: &WhyRun, what_if: &WhatIf) -> String {
         Otherwise::BrakesEarlier { vehicle, by, from: Some(from) } => {
             format!("{vehicle} braking {by} s earlier, from {from:.2} s on")
         }
-        Otherwise::BrakesHarder { vehicle, from: None, .. } => format!("{vehicle} braking harder"),
-        Otherwise::BrakesHarder { vehicle, from: Some(from), is_first_braking } => format!(
-            "{vehicle} braking harder, from {from:.2} s on, when it {}",
-            if *is_first_braking { "began to brake" } else { "was shown them" }
+        Otherwise::Decelerates { vehicle, from: None, .. } => format!("{vehicle} decelerating evenly"),
+        Otherwise::Decelerates { vehicle, from: Some(from), is_first_braking } => format!(
+            "{vehicle} decelerating evenly, from {from:.2} s on{}",
+            match *is_first_braking {
+                true => ", when it began to brake",
+                false if *from > 0.0 => ", when it was shown them",
+                false => "",
+            }
         ),
         Otherwise::AppearsLater { pedestrian, by } => format!("{pedestrian} {by} s later"),
         Otherwise::NobodyAppears => "nobody there".to_string(),
@@ -295,24 +299,31 @@ fn deceleration_answer(run: &WhyRun, tried: &[TriedDeceleration]) -> String {
         run.error.is_none() && run.against.is_empty() && !run.cut_off && run.contact.is_none()
     };
     let avoids = |one: &&TriedDeceleration| one.run.error.is_none() && one.run.contact.is_none();
-    if let Some(enough) = tried.iter().find(is_enough) {
-        let but = but_not(tried, enough, &is_enough);
-        return format!("{} would have been enough{but} ({range})", number(enough.deceleration));
-    }
-    let mut said = "none would have been enough for all that is asked".to_string();
-    if run.story.contact.is_some() {
-        match tried.iter().find(avoids) {
-            Some(one) => write!(
-                said,
-                "; {} would have avoided the contact{}, and still speaks against {}",
+    let enough = tried.iter().find(is_enough);
+    let would_be_enough = |one: &TriedDeceleration| {
+        let but = but_not(tried, one, &is_enough);
+        format!("{} would have been enough{but}", number(one.deceleration))
+    };
+    let first = tried.iter().find(avoids).filter(|one| run.story.contact.is_some() && !is_enough(one));
+    let said = match (first, enough) {
+        (Some(one), enough) => {
+            let avoided = format!(
+                "{} would have avoided the contact{}, and still speaks against {}",
                 number(one.deceleration),
                 but_not(tried, one, &avoids),
                 quoted(&one.run.against)
-            ),
-            None => write!(said, ", nor avoided the contact"),
+            );
+            match enough {
+                Some(enough) => format!("{avoided}; {}", would_be_enough(enough)),
+                None => format!("{avoided}; none would have been enough for all that is asked"),
+            }
         }
-        .expect("writing to a string cannot fail");
-    }
+        (None, Some(enough)) => would_be_enough(enough),
+        (None, None) if run.story.contact.is_some() => {
+            "none would have been enough for all that is asked, nor avoided the contact".to_string()
+        }
+        (None, None) => "none would have been enough for all that is asked".to_string(),
+    };
     format!("{said} ({range})")
 }
 

@@ -41,7 +41,7 @@ pub struct FirstSeen {
     pub sees_everything: bool,
 }
 
-/// A contact of a vehicle.
+/// A contact of a vehicle; of two vehicles that touch, of the one that moves towards the other faster.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ContactMoment {
     /// s
@@ -80,13 +80,13 @@ pub enum Otherwise {
         /// The moment from which on it is, s.
         from: Option<f64>,
     },
-    /// A vehicle decelerates at least so much from a moment on.
-    BrakesHarder {
+    /// A vehicle decelerates evenly from a moment on.
+    Decelerates {
         /// Its name.
         vehicle: String,
         /// s
         from: Option<f64>,
-        /// Whether that is when it first braked after it was shown whom it is about; else it is when it was shown them.
+        /// Whether that is when it began to brake for what it touched, or for whom it is about; else it is when it was shown them.
         is_first_braking: bool,
     },
     /// A pedestrian appears later.

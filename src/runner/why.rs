@@ -13,8 +13,11 @@ use sim::{GivenCommand, Happening, RunChange, Sample, TimelineEvent, Trace, brak
 const EARLIER: f64 = 0.5;
 /// How much later somebody would have come, s.
 const LATER: f64 = 0.2;
-/// The decelerations that are tried, m/s²: so many, each so much harder than the one before.
-const DECELERATIONS: (usize, f64) = (20, 0.5);
+/// The decelerations that are tried, in 0.01 m/s²: from 0 on each so much larger than the one before, to the largest; and between the first
+/// that is enough and the one before it, by halves.
+const DECELERATIONS: (usize, usize) = (50, 1000);
+/// m/s²
+const UNIT: f64 = 0.01;
 
 /// The story of a run, with what would have come of it where it does not have all that `criteria` want of each run, or a vehicle touched
 /// something.
@@ -110,6 +113,7 @@ pub(crate) fn contacts<'r>(
     events.iter().filter_map(move |event| {
         let Happening::Collides { with, relative_speed } = &event.what else { return None };
         let (car, other) = match (vehicle(&event.who), vehicle(with)) {
+            (Some(struck), Some(car)) if strikes(trace, car, struck, event.time) => (car, &event.who),
             (Some(car), _) => (car, with),
             (None, Some(car)) => (car, &event.who),
             (None, None) => return None,
@@ -129,6 +133,25 @@ pub(crate) fn contacts<'r>(
     })
 }
 
+/// Whether of two vehicles that touch the first moves towards the other faster than the other towards it.
+fn strikes(trace: &Trace, one: usize, other: usize, time: f64) -> bool {
+    let (Some(one), Some(other)) = (at(trace, one, time), at(trace, other, time)) else { return false };
+    let way = other.position - one.position;
+    one.velocity.dot(&way) > -other.velocity.dot(&way)
+}
+
+/// Whom a failure is about, by index.
+#[derive(Debug, Clone, Copy, Default)]
+struct About {
+    vehicle: Option<usize>,
+    /// Whom the vehicle met; `None` where it touched something else.
+    pedestrian: Option<usize>,
+    /// The vehicle that it touched.
+    touched: Option<usize>,
+    /// Whom else to ask about: the first where it is about none.
+    anybody: Option<usize>,
+}
+
 /// Asks what would have come of a run.
 struct WhatIfs<'a> {
     batch: RunBatch<'a>,
@@ -141,65 +164,84 @@ struct WhatIfs<'a> {
 impl WhatIfs<'_> {
     fn all(&self) -> Result<Vec<WhatIf>, BatchError> {
         let mut all = Vec::new();
-        let (vehicle, pedestrian) = self.about();
-        if let Some(vehicle) = vehicle {
-            let seen = self.seen(vehicle, pedestrian);
-            all.push(self.earlier(vehicle, seen)?);
-            all.push(self.harder(vehicle, pedestrian, seen)?);
+        let about = self.about();
+        if let Some(vehicle) = about.vehicle {
+            let seen = self.seen(vehicle, &about);
+            let braked = self.braked(vehicle, &about, seen);
+            all.push(self.earlier(vehicle, seen, braked)?);
+            all.push(self.evenly(vehicle, &about, seen, braked)?);
         }
-        if let Some(pedestrian) = pedestrian {
+        if let Some(pedestrian) = about.anybody {
             all.push(self.later(pedestrian)?);
         }
         all.push(self.nobody()?);
         Ok(all)
     }
 
-    /// Who the failure is about, by index: of the first contact, or of the first criterion that the run speaks against; else the first.
-    fn about(&self) -> (Option<usize>, Option<usize>) {
+    /// Of the first contact, or of the first criterion that the run speaks against; else the first of all.
+    fn about(&self) -> About {
         let world = &self.case.world;
         let requests = &self.batch.measured.requests;
         let standings = self.criteria.iter().filter_map(per_run);
         let standings = standings.map(|one| one.standing(&self.story.outcome, requests));
         let mut standings = standings;
         let standing = standings.find(|one| !one.holds);
-        let (car, person) = match (&self.story.contact, &standing) {
+        let (car, other) = match (&self.story.contact, &standing) {
             (Some(contact), _) => (Some(&*contact.vehicle), Some(&*contact.with)),
             (None, Some(standing)) => (standing.vehicle.as_deref(), standing.pedestrian.as_deref()),
             (None, None) => (None, None),
         };
-        let car = car.and_then(|name| world.vehicles.iter().position(|one| one.name == name));
-        let person = person.and_then(|name| world.pedestrians.iter().position(|one| one.name == name));
+        let vehicle = |name: &str| world.vehicles.iter().position(|one| one.name == name);
+        let car = car.and_then(vehicle);
+        let person = other.and_then(|name| world.pedestrians.iter().position(|one| one.name == name));
         let first = |some: bool| some.then_some(0);
-        (car.or(first(!world.vehicles.is_empty())), person.or(first(!world.pedestrians.is_empty())))
+        let anybody = person.or(first(!world.pedestrians.is_empty()));
+        About {
+            vehicle: car.or(first(!world.vehicles.is_empty())),
+            pedestrian: if self.story.contact.is_some() { person } else { anybody },
+            touched: other.filter(|_| self.story.contact.is_some()).and_then(vehicle),
+            anybody,
+        }
     }
 
-    /// When a vehicle was first shown the pedestrian, or anybody if it is about none, s.
-    fn seen(&self, vehicle: usize, pedestrian: Option<usize>) -> Option<f64> {
+    /// When a vehicle was first shown whom or what it is about, s.
+    fn seen(&self, vehicle: usize, about: &About) -> Option<f64> {
         let world = &self.case.world;
-        let is_it = |one: &&FirstSeen| {
-            one.vehicle == world.vehicles[vehicle].name
-                && pedestrian.is_none_or(|index| one.pedestrian == world.pedestrians[index].name)
+        let car = &world.vehicles[vehicle];
+        if let Some(pedestrian) = about.pedestrian {
+            let name = &world.pedestrians[pedestrian].name;
+            let is_it = |one: &&FirstSeen| one.vehicle == car.name && one.pedestrian == *name;
+            return self.story.first_seen.iter().find(is_it)?.time;
+        }
+        let Some(touched) = about.touched.filter(|_| car.sees.is_some()) else { return Some(0.0) };
+        let is_it = |event: &&TimelineEvent| {
+            event.who == world.vehicles[touched].name
+                && matches!(&event.what, Happening::ComesIntoSight { of } if *of == car.name)
         };
-        self.story.first_seen.iter().find(is_it)?.time
+        Some(self.story.events.iter().find(is_it)?.time)
     }
 
-    /// When a vehicle first began to brake once `seen` (s), s.
-    fn braked(&self, vehicle: usize, seen: Option<f64>) -> Option<f64> {
+    /// When a vehicle first began to brake once `seen` (s); of one that touched something else than a person, when it last did before that,
+    /// s.
+    fn braked(&self, vehicle: usize, about: &About, seen: Option<f64>) -> Option<f64> {
         let name = &self.case.world.vehicles[vehicle].name;
+        let end = self.story.contact.as_ref().map_or(f64::INFINITY, |contact| contact.time);
         let is_it = |event: &&TimelineEvent| {
             event.who == *name
                 && matches!(event.what, Happening::Brakes { .. })
                 && seen.is_none_or(|seen| event.time >= seen - 1e-9)
+                && event.time <= end
         };
-        self.story.events.iter().find(is_it).map(|event| event.time)
+        let mut began = self.story.events.iter().filter(is_it).map(|event| event.time);
+        if about.pedestrian.is_some() { began.next() } else { began.last() }
     }
 
-    fn earlier(&self, vehicle: usize, seen: Option<f64>) -> Result<WhatIf, BatchError> {
+    fn earlier(&self, vehicle: usize, seen: Option<f64>, braked: Option<f64>) -> Result<WhatIf, BatchError> {
         let name = self.case.world.vehicles[vehicle].name.clone();
-        let Some(braked) = self.braked(vehicle, seen) else {
+        let Some(braked) = braked else {
             let because = format!(
                 "{name} did not brake{}",
-                if seen.is_some() { " once it was shown them" } else { "" }
+                if seen.is_some_and(|seen| seen > 0.0) { " once it was shown them" } else { "" }
             );
             let what = Otherwise::BrakesEarlier { vehicle: name, by: EARLIER, from: None };
             return Ok(WhatIf { what, came: CameOf::DoesNotApply { because } });
@@ -209,15 +251,15 @@ impl WhatIfs<'_> {
         Ok(WhatIf { what, came: CameOf::Run(Box::new(self.run(&change)?)) })
     }
 
-    fn harder(
+    fn evenly(
         &self,
         vehicle: usize,
-        pedestrian: Option<usize>,
+        about: &About,
         seen: Option<f64>,
+        braked: Option<f64>,
     ) -> Result<WhatIf, BatchError> {
-        let braked = self.braked(vehicle, seen);
         let name = self.case.world.vehicles[vehicle].name.clone();
-        let what = Otherwise::BrakesHarder {
+        let what = Otherwise::Decelerates {
             vehicle: name.clone(),
             from: braked.or(seen),
             is_first_braking: braked.is_some(),
@@ -226,14 +268,44 @@ impl WhatIfs<'_> {
             let because = format!("{name} neither braked nor was shown anybody");
             return Ok(WhatIf { what, came: CameOf::DoesNotApply { because } });
         };
-        let (number, step) = DECELERATIONS;
-        let tried = (1..=number).map(|number| {
-            let deceleration = number as f64 * step;
-            let run =
-                self.run(&RunChange::Decelerates { vehicle, from, deceleration, until_gone: pedestrian })?;
-            Ok(TriedDeceleration { deceleration, run })
-        });
-        Ok(WhatIf { what, came: CameOf::Decelerations(tried.collect::<Result<_, BatchError>>()?) })
+        let tried = self.decelerations(|deceleration| RunChange::Decelerates {
+            vehicle,
+            from,
+            deceleration,
+            until_gone: about.pedestrian,
+        })?;
+        Ok(WhatIf { what, came: CameOf::Decelerations(tried) })
+    }
+
+    /// Runs at decelerations, the smallest first: those that are always tried, and those that show the smallest that is enough to 0.01 m/s².
+    fn decelerations(&self, change: impl Fn(f64) -> RunChange) -> Result<Vec<TriedDeceleration>, BatchError> {
+        let (step, most) = DECELERATIONS;
+        let at = |number: usize| {
+            let deceleration = number as f64 * UNIT;
+            Ok::<_, BatchError>(TriedDeceleration { deceleration, run: self.run(&change(deceleration))? })
+        };
+        let mut tried = (0..=most / step).map(|number| at(number * step)).collect::<Result<Vec<_>, _>>()?;
+        if let Some(first @ 1..) = tried.iter().position(|one| self.is_enough(&one.run)) {
+            let (mut low, mut high) = ((first - 1) * step, first * step);
+            while high - low > 1 {
+                let middle = at((low + high) / 2)?;
+                let number = (low + high) / 2;
+                if self.is_enough(&middle.run) {
+                    high = number;
+                } else {
+                    low = number;
+                }
+                tried.push(middle);
+            }
+        }
+        tried.sort_by(|one, other| one.deceleration.total_cmp(&other.deceleration));
+        Ok(tried)
+    }
+
+    /// Whether a run has no contact, where the run itself has one; else whether it has all that is wanted of it.
+    fn is_enough(&self, run: &OtherwiseRun) -> bool {
+        let avoids = run.error.is_none() && run.contact.is_none();
+        avoids && (self.story.contact.is_some() || run.against.is_empty() && !run.cut_off)
     }
 
     fn later(&self, pedestrian: usize) -> Result<WhatIf, BatchError> {

@@ -264,6 +264,9 @@ pub struct Vehicle {
     /// Whether it stops for a signal's red; `None`: as its controller does.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub obeys_signals: Option<bool>,
+    /// Whether it is meant that its controller is blind to other vehicles.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub ignores_vehicles: bool,
     /// Where it is declared.
     pub origin: Origin,
 }

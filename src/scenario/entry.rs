@@ -9,8 +9,9 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use super::agent::{CommandKind, Controller, Dynamics, ModelError, Pedestrian, Perception, Schedule};
 use super::{
-    Appearance, Chance, Declaration, DeclaredProgram, Dimension, Parameter, Path, Position, Reference,
-    Registered, Road, RoadUserKind, SettingError, Settings, Shape, Side, SignalConduct, Text, VehicleStart,
+    Appearance, Attention, Chance, Declaration, DeclaredProgram, Dimension, Parameter, Path, Position,
+    Reference, Registered, Road, RoadUserKind, SettingError, Settings, Shape, Side, SignalConduct, Text,
+    VehicleStart,
 };
 
 /// What the simulation needs to know of a case.
@@ -257,6 +258,8 @@ pub struct ControllerModel {
     pub chance: Chance,
     /// What it does about the signal of a crossing.
     pub signals: SignalConduct,
+    /// What else it looks at.
+    pub attention: Attention,
     /// Whether it may answer a curvature.
     pub steers: bool,
     /// Makes one for a run.
@@ -298,6 +301,7 @@ impl ControllerModel {
             gives,
             chance: Chance::Always,
             signals: SignalConduct::Own,
+            attention: Attention::Own,
             steers: false,
             build: Arc::new(build),
             program: None,
@@ -333,6 +337,12 @@ impl ControllerModel {
     /// [`VehicleSetup::obeys_signals`] whether it is to.
     pub fn signals(self, signals: SignalConduct) -> Self {
         Self { signals, ..self }
+    }
+
+    /// With what it looks at besides signals, of which `check` warns where it is blind to what is there; [`Self::new`] takes it that it
+    /// decides by itself.
+    pub fn attention(self, attention: Attention) -> Self {
+        Self { attention, ..self }
     }
 }
 

@@ -13,7 +13,7 @@ macro_rules! expressions {
         use super::*;
 
         pub fn vehicle(car: &$($mut)? Vehicle) -> Vec<(&$($mut)? Expression, &Origin)> {
-            let Vehicle { name: _, controller, dynamics, size, speed, start, road: _, lane: _, follows, sees, obeys_signals: _, origin } = car;
+            let Vehicle { name: _, controller, dynamics, size, speed, start, road: _, lane: _, follows, sees, obeys_signals: _, ignores_vehicles: _, origin } = car;
             let mut found = model(controller);
             if let Some(dynamics) = dynamics {
                 found.extend(model(dynamics));

@@ -14,6 +14,7 @@
 pub mod agent;
 mod aggregate;
 mod approach;
+mod attention;
 mod block;
 mod calibrate;
 mod case;
@@ -71,6 +72,7 @@ mod world;
 pub use agent::CommandKind;
 pub use aggregate::{AGGREGATES, Aggregate, AggregateBounds, AggregateOf, AggregateResponse, AggregateWord};
 pub use approach::Approach;
+pub use attention::{Attention, LooksAt};
 pub use block::Block;
 pub use calibrate::{Calibrate, CandidateSource, MatchedParameter, ParameterStatistic};
 pub use case::{Assignment, Case, Individual};

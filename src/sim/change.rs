@@ -25,14 +25,14 @@ pub enum RunChange {
         /// When that run ended, s: from then on there is only what is decided.
         until: f64,
     },
-    /// From `from` (s) until a pedestrian has left its lane a vehicle loses at least that much speed, whatever its dynamics make of
-    /// what is decided.
+    /// From `from` (s) until a pedestrian has left its lane a vehicle loses just that much speed until it stands, whatever is decided and
+    /// its dynamics make of it.
     Decelerates {
         /// Its index.
         vehicle: usize,
         /// s
         from: f64,
-        /// m/s², positive.
+        /// m/s², not negative.
         deceleration: f64,
         /// The pedestrian's index; `None`: to the end of the run.
         until_gone: Option<usize>,
@@ -84,22 +84,22 @@ impl Otherwise {
         command
     }
 
-    /// Takes speed from a vehicle that `before` moved as said at `time` (s), and `duration` (s) later does as `after` says.
-    pub fn hold_back(&self, time: f64, duration: f64, before: &Longitudinal, after: &mut Longitudinal) {
+    /// Decelerates a vehicle that `before` moved as said at `time` (s), and `duration` (s) later would as `after` says.
+    pub fn decelerate(&self, time: f64, duration: f64, before: &Longitudinal, after: &mut Longitudinal) {
         let Some(RunChange::Decelerates { from, deceleration, .. }) = self.change else { return };
-        let most = (before.speed - deceleration * duration).max(0.0);
-        if time < from - TIME_TOLERANCE || duration <= 0.0 || after.speed <= most {
+        if time < from - TIME_TOLERANCE || duration <= 0.0 {
             return;
         }
-        let driven = if before.speed < deceleration * duration {
-            before.speed * before.speed / (2.0 * deceleration)
+        let lost = deceleration * duration;
+        let (speed, driven) = if before.speed < lost {
+            (0.0, before.speed * before.speed / (2.0 * deceleration))
         } else {
-            (before.speed - deceleration * duration / 2.0) * duration
+            (before.speed - lost, (before.speed - lost / 2.0) * duration)
         };
         *after = Longitudinal {
             travelled: before.travelled + driven,
-            speed: most,
-            acceleration: (most - before.speed) / duration,
+            speed,
+            acceleration: (speed - before.speed) / duration,
         };
     }
 }
@@ -174,21 +174,22 @@ mod tests {
     }
 
     #[test]
-    fn who_is_held_back_loses_just_that_speed_and_stops_where_it_must() {
+    fn who_decelerates_loses_just_that_speed_and_stops_where_it_must() {
         let before = Longitudinal { travelled: 10.0, speed: 5.0, acceleration: 0.0 };
-        let after = |time: f64, duration: f64| {
+        let after_at = |deceleration: f64, time: f64, duration: f64| {
             let mut after = Longitudinal { travelled: 10.0 + 5.0 * duration, ..before };
-            decelerates(4.0).hold_back(time, duration, &before, &mut after);
+            decelerates(deceleration).decelerate(time, duration, &before, &mut after);
             after
         };
+        let after = |time: f64, duration: f64| after_at(4.0, time, duration);
         assert_eq!(after(0.5, 0.5).speed, 5.0, "before its moment nothing is otherwise");
         assert_eq!(after(1.0, 0.5), Longitudinal { travelled: 12.0, speed: 3.0, acceleration: -4.0 });
         // From 5 m/s at 4 m/s² it takes 25/8 m.
         assert_eq!((after(1.0, 2.0).travelled, after(1.0, 2.0).speed), (13.125, 0.0));
+        assert_eq!(after_at(0.0, 1.0, 0.5), Longitudinal { travelled: 12.5, speed: 5.0, acceleration: 0.0 });
         let mut harder = Longitudinal { travelled: 11.0, speed: 1.0, acceleration: -8.0 };
-        let was = harder;
-        decelerates(4.0).hold_back(1.0, 0.5, &before, &mut harder);
-        assert_eq!(harder, was, "who brakes harder is left alone");
+        decelerates(4.0).decelerate(1.0, 0.5, &before, &mut harder);
+        assert_eq!(harder.speed, 3.0, "its own brake counts no more");
     }
 
     #[test]

@@ -383,7 +383,7 @@ impl Control {
         let otherwise = self.otherwise.as_mut().map(|one| one.command(time, decided));
         self.follow(otherwise.unwrap_or(decided), duration, &mut car.motion, driven);
         if let Some(otherwise) = &self.otherwise {
-            otherwise.hold_back(time, duration, &before, &mut car.motion);
+            otherwise.decelerate(time, duration, &before, &mut car.motion);
         }
         if self.curvature.is_some() || car.steered.is_some() {
             self.steering.follow(car, before, self.curvature, duration);

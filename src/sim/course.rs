@@ -154,8 +154,8 @@ pub struct Course {
     contacts: Contacts,
     /// `None` in all runs but those of what would have been.
     postponed: Option<Postponed>,
-    /// Who is held back until whom has left its lane.
-    held_back: Option<(usize, usize)>,
+    /// Which vehicle decelerates until whom has left its lane.
+    decelerates: Option<(usize, usize)>,
     /// Of the step under way.
     sightings: Vec<Sighting>,
     steps: u64,
@@ -206,7 +206,7 @@ impl Course {
             wait_for_green: WaitForGreen::new(&world),
             contacts: Contacts::new(&world),
             postponed: None,
-            held_back: None,
+            decelerates: None,
             sightings: Vec::new(),
             steps: steps_within(world.horizon, world.step),
             index: 0,
@@ -221,7 +221,7 @@ impl Course {
     pub fn changed(mut self, change: RunChange) -> Self {
         self.postponed = Postponed::new(&change, self.world.pedestrians.len());
         if let RunChange::Decelerates { vehicle, until_gone: Some(pedestrian), .. } = change {
-            self.held_back = Some((vehicle, pedestrian));
+            self.decelerates = Some((vehicle, pedestrian));
         }
         if let RunChange::BrakesEarlier { vehicle, .. } | RunChange::Decelerates { vehicle, .. } = change {
             self.otherwise(vehicle).change = Some(change);
@@ -400,13 +400,13 @@ impl Course {
         self.ask_vehicles(time, false)
     }
 
-    /// Holds nobody back any more for whom has left their lane.
+    /// Lets a vehicle decide for itself again once whom it decelerates for has left its lane.
     fn release(&mut self) {
-        let Some((vehicle, pedestrian)) = self.held_back else { return };
+        let Some((vehicle, pedestrian)) = self.decelerates else { return };
         let car = (&self.now.vehicles[vehicle], &self.world.vehicles[vehicle]);
         if self.now.pedestrians[pedestrian].present && has_crossed(&self.world, &self.now, pedestrian, car) {
             self.otherwise(vehicle).change = None;
-            self.held_back = None;
+            self.decelerates = None;
         }
     }
 
@@ -439,6 +439,9 @@ impl Course {
         for (index, pedestrian) in self.users.pedestrians.iter_mut().enumerate() {
             if self.now.pedestrians[index].present {
                 self.earlier[index].0 = self.motions[index];
+                let now = &mut self.now.pedestrians[index];
+                let shown = self.keep_clear.as_ref().and_then(|rule| rule.shown(index, now));
+                let real = shown.map(|shown| std::mem::replace(now, shown));
                 let (legs, step) = (&mut self.legs[index], self.world.step);
                 let another = legs.reaches(&self.now.pedestrians[index]);
                 let scene = Scene {
@@ -461,6 +464,9 @@ impl Course {
                     self.ways[index].walk(state, motion, step, step);
                 });
                 self.pedestrian_modes[index] = pedestrian.mode();
+                if let Some(real) = real {
+                    self.now.pedestrians[index] = real;
+                }
             }
         }
         if let Some(rule) = &mut self.keep_clear {

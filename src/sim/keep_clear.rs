@@ -1,9 +1,10 @@
 //! Who keeps clear walks through no box and no other person: a rule that holds whatever their model wants.
 //!
 //! Between two bodies lies a line, of which each stays on its side: in the middle between two people, at the face of a box. A step that would
-//! lead over it is shortened across it and goes on along it, so that people evade, to the right where they meet head on or a box; behind
-//! somebody who walks the same way it is shortened only. Where no such step is found, they stand. The lines are those of the moment at which
-//! everybody sets out, so that nobody's place among the others matters.
+//! lead over it is shortened across it and goes on along it. People evade each other to the right where they meet head on; behind
+//! somebody who walks the same way the step is shortened only. Around a box they go on the side on which its end is nearer, at their own
+//! pace, and their model decides as if they walked straight on. Where no such step is found, they stand. The lines are those of the moment
+//! at which everybody sets out, so that nobody's place among the others matters.
 
 use nalgebra::Vector2;
 
@@ -30,8 +31,42 @@ pub(super) struct KeepClear {
     boxes: Vec<Footprint>,
     /// Where everybody would be after the step that their models want; of who is not there, nowhere.
     wanted: Vec<Option<PedestrianState>>,
+    /// How each of them decides who steps around a box.
+    detours: Vec<Option<Detour>>,
+    /// On which side each of them goes around each box while near it, one person after the other.
+    sides: Vec<Option<Side>>,
     /// Of the walker who is looked at.
     lines: Vec<Line>,
+}
+
+/// The side on which a box is passed, seen by who walks towards it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Side {
+    Left,
+    Right,
+}
+
+impl Side {
+    fn sign(self) -> f64 {
+        match self {
+            Self::Left => -1.0,
+            Self::Right => 1.0,
+        }
+    }
+}
+
+/// Somebody who steps around a box, as their model is to see them.
+#[derive(Debug, Clone, Copy)]
+struct Detour {
+    /// Which way they would walk, a unit vector.
+    heading: Vector2<f64>,
+    /// How fast, m/s.
+    pace: f64,
+    /// How that changed over the last step, m/s².
+    acceleration: f64,
+    side: Side,
+    /// Whether the box was in the way in the last step; after it the model is shown once more what it had asked for.
+    is_blocked: bool,
 }
 
 /// What a walker must not cross.
@@ -43,8 +78,20 @@ struct Line {
     room: f64,
     /// Whether the two are apart, so that no corner may be turned over it either.
     apart: bool,
-    /// The velocity of who walks on its other side, m/s; `None` of a box.
-    others: Option<Vector2<f64>>,
+    of: Of,
+    /// Whether it has bent the step.
+    has_bent: bool,
+}
+
+/// What is on the other side of a line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Of {
+    /// Somebody who walks with this velocity, m/s.
+    Person(Vector2<f64>),
+    Box {
+        index: usize,
+        side: Side,
+    },
 }
 
 impl KeepClear {
@@ -53,11 +100,30 @@ impl KeepClear {
         let who: Vec<_> = world.pedestrians.iter().map(scenario::PedestrianSetup::keeps_clear).collect();
         let boxes: Vec<Footprint> = world.road.boxes.iter().map(Footprint::from).collect();
         let bodies = who.len().saturating_sub(1) + boxes.len();
-        (who.iter().any(Option::is_some) && bodies > 0).then(|| Self {
+        (who.iter().any(Option::is_some) && bodies > 0).then(|| Self::of(who, boxes))
+    }
+
+    fn of(who: Vec<Option<f64>>, boxes: Vec<Footprint>) -> Self {
+        Self {
             wanted: vec![None; who.len()],
-            lines: Vec::with_capacity(bodies),
+            detours: vec![None; who.len()],
+            sides: vec![None; who.len() * boxes.len()],
+            lines: Vec::with_capacity(who.len().saturating_sub(1) + 2 * boxes.len()),
             who,
             boxes,
+        }
+    }
+
+    /// How the model of somebody who steps around a box is shown them: as they would walk without it. `None` of everybody else.
+    pub fn shown(&self, index: usize, now: &PedestrianState) -> Option<PedestrianState> {
+        let detour = self.detours[index].as_ref()?;
+        // Something else may have kept them from walking.
+        let pace = if now.velocity.norm() == 0.0 { 0.0 } else { detour.pace };
+        Some(PedestrianState {
+            heading: detour.heading,
+            velocity: detour.heading * pace,
+            acceleration: detour.heading * detour.acceleration,
+            ..*now
         })
     }
 
@@ -69,51 +135,143 @@ impl KeepClear {
         step: f64,
         walk: impl Fn(usize, &mut PedestrianState, Motion),
     ) {
-        for (index, (wanted, now)) in self.wanted.iter_mut().zip(people).enumerate() {
-            *wanted = now.present.then(|| {
-                let mut then = *now;
+        for (index, now) in people.iter().enumerate() {
+            let wanted = now.present.then(|| {
+                let mut then = self.shown(index, now).unwrap_or(*now);
                 walk(index, &mut then, motions[index]);
                 then
             });
+            self.wanted[index] = wanted;
         }
         let ways = self.wanted.iter().flatten().zip(people.iter().filter(|one| one.present));
         let longest = ways.map(|(then, now)| (then.position - now.position).norm()).fold(0.0, f64::max);
         for index in 0..people.len() {
-            let (Some(wanted), Some(gap)) = (&self.wanted[index], self.who[index]) else { continue };
-            let (now, then) = (Footprint::from(&people[index]), Footprint::from(wanted));
-            if now == then {
+            let (Some(wanted), Some(gap)) = (self.wanted[index], self.who[index]) else { continue };
+            let detour = self.detours[index];
+            let (now, then) = (Footprint::from(&people[index]), Footprint::from(&wanted));
+            if now == then || detour.is_some() && now.centre == then.centre {
+                if let Some(detour) = &mut self.detours[index] {
+                    (detour.pace, detour.acceleration) = (0.0, 0.0);
+                    motions[index] = Motion::Walk(Vector2::zeros());
+                }
                 continue;
             }
-            self.lines.clear();
-            for body in &self.boxes {
-                self.lines.extend(line(&now, body, (longest, gap), 1.0, None));
-            }
-            let others = people.iter().enumerate().filter(|(other, state)| *other != index && state.present);
-            for (_, other) in others {
-                self.lines.extend(line(
-                    &now,
-                    &Footprint::from(other),
-                    (longest, gap),
-                    0.5,
-                    Some(other.velocity),
-                ));
-            }
-            if let Some(way) = bent(&self.lines, &now, &then) {
+            self.find_lines(index, people, (longest, gap), then.centre - now.centre);
+            let bent = bent(&mut self.lines, &now, &then);
+            let side = self.remember_sides(index);
+            if let Some(way) = bent {
                 motions[index] = Motion::Walk(way / step);
             }
+            let stands = bent.is_some_and(|way| way == Vector2::zeros());
+            let pace = if stands { 0.0 } else { wanted.velocity.norm() };
+            let before = detour.map_or(people[index].velocity.norm(), |detour| detour.pace);
+            let acceleration = (pace - before) / step;
+            let heading = wanted.heading;
+            self.detours[index] = match (side, detour) {
+                (Some(side), _) => Some(Detour { heading, pace, acceleration, side, is_blocked: true }),
+                (None, Some(before)) if before.is_blocked => {
+                    // The first step past the box: as wanted by who seemed to walk on.
+                    if bent.is_none() {
+                        motions[index] = Motion::Walk((then.centre - now.centre) / step);
+                    }
+                    Some(Detour { heading, pace, acceleration, is_blocked: false, ..before })
+                }
+                (None, _) => None,
+            };
         }
+    }
+
+    /// The lines of somebody who wants to go `way` (m) and keeps `gap` m, where nobody goes farther than `longest` m.
+    fn find_lines(
+        &mut self,
+        index: usize,
+        people: &[PedestrianState],
+        (longest, gap): (f64, f64),
+        way: Vector2<f64>,
+    ) {
+        let now = Footprint::from(&people[index]);
+        let inherited = self.detours[index].map(|detour| detour.side);
+        self.lines.clear();
+        // They have to be able to turn before it.
+        let round = Footprint { shape: Shape::Disc { radius: now.radius() }, ..now };
+        let sides = self.sides[index * self.boxes.len()..].iter_mut();
+        for (number, (body, known)) in self.boxes.iter().zip(sides).enumerate() {
+            let Some((normal, between)) = line(&round, body, (longest, gap)) else {
+                *known = None;
+                continue;
+            };
+            let side = known.or(inherited).unwrap_or_else(|| nearer_end(&now, body, normal, way));
+            let of = Of::Box { index: number, side };
+            self.lines.push(Line {
+                normal,
+                room: room(between, gap, 1.0),
+                apart: false,
+                of,
+                has_bent: false,
+            });
+            // Nearer than that they go on as long as they touch nothing, but come no nearer.
+            let nearer =
+                line(&now, body, (longest, gap)).filter(|_| between <= 0.0 && now.shape != round.shape);
+            self.lines.extend(nearer.map(|(normal, between)| Line {
+                normal,
+                room: room(between, gap, 1.0),
+                apart: between > 0.0,
+                of,
+                has_bent: false,
+            }));
+        }
+        let others = people.iter().enumerate().filter(|(other, state)| *other != index && state.present);
+        for (_, other) in others {
+            let found = line(&now, &Footprint::from(other), (longest, gap));
+            self.lines.extend(found.map(|(normal, between)| Line {
+                normal,
+                room: room(between, gap, 0.5),
+                apart: between > 0.0,
+                of: Of::Person(other.velocity),
+                has_bent: false,
+            }));
+        }
+    }
+
+    /// Keeps the sides of the boxes that have bent a step; that of the last one, if there is any.
+    fn remember_sides(&mut self, index: usize) -> Option<Side> {
+        let mut last = None;
+        for line in self.lines.iter().filter(|line| line.has_bent) {
+            if let Of::Box { index: number, side, .. } = line.of {
+                self.sides[index * self.boxes.len() + number] = Some(side);
+                last = Some(side);
+            }
+        }
+        last
     }
 }
 
-/// The line between a walker and a body of which they may use such a share of what lies between them but for `gap` m; none if nobody
-/// gets that far by ways of at most `longest` m.
-fn line(
-    walker: &Footprint,
-    body: &Footprint,
-    (longest, gap): (f64, f64),
-    share: f64,
-    others: Option<Vector2<f64>>,
-) -> Option<Line> {
+/// How far (m) a walker may go who uses such a share of what lies between two bodies but for `gap` m.
+fn room(between: f64, gap: f64, share: f64) -> f64 {
+    ((between - GAP - gap) * share).max(0.0)
+}
+
+/// The side on which somebody who wants to go `way` (m) passes a box: where that leads along its face, else where its end is nearer; the
+/// right if both are as near.
+fn nearer_end(walker: &Footprint, body: &Footprint, normal: Vector2<f64>, way: Vector2<f64>) -> Side {
+    let right = right_of(normal);
+    let along = way.dot(&right);
+    let is_left = if along.abs() > HEAD_ON * way.norm() {
+        along < 0.0
+    } else {
+        (body.centre - walker.centre).dot(&right) > 0.0
+    };
+    if is_left { Side::Left } else { Side::Right }
+}
+
+/// To the right of a unit vector.
+fn right_of(normal: Vector2<f64>) -> Vector2<f64> {
+    Vector2::new(normal.y, -normal.x)
+}
+
+/// The direction of the line between a walker and a body, and what lies between them along it, m; none if nobody gets that far by ways of at
+/// most `longest` m.
+fn line(walker: &Footprint, body: &Footprint, (longest, gap): (f64, f64)) -> Option<(Vector2<f64>, f64)> {
     let offset = body.centre - walker.centre;
     if offset.norm() > walker.radius() + body.radius() + gap + GAP + 2.0 * longest {
         return None;
@@ -144,8 +302,7 @@ fn line(
     if let Some(axis) = nearest.and_then(|way| way.try_normalize(0.0)) {
         try_one(axis);
     }
-    let room = ((best - GAP - gap) * share).max(0.0);
-    (best > f64::NEG_INFINITY).then_some(Line { normal, room, apart: best > 0.0, others })
+    (best > f64::NEG_INFINITY).then_some((normal, best))
 }
 
 impl Line {
@@ -155,10 +312,28 @@ impl Line {
         let turn = if self.apart { turned.reach(self.normal) - now.reach(self.normal) } else { 0.0 };
         way.dot(&self.normal) + turn - self.room
     }
+
+    /// The step that is walked instead of `way`, which leads `much` over it, by who wants to go `wanted`, m.
+    fn bend(&self, way: Vector2<f64>, much: f64, wanted: Vector2<f64>) -> Vector2<f64> {
+        let (shortened, right, length) = (way - self.normal * much, right_of(self.normal), wanted.norm());
+        let way = match self.of {
+            Of::Person(velocity) if velocity.dot(&wanted) > 0.0 => shortened,
+            Of::Person(_) if wanted.dot(&right) < -HEAD_ON * length => shortened - right * much,
+            Of::Person(_) => shortened + right * much,
+            // Along a box the side stays the same, wherever the goal is.
+            Of::Box { side, .. } => {
+                let across = shortened.dot(&self.normal);
+                let along = (length * length - across * across).max(0.0).sqrt();
+                self.normal * across + right * (side.sign() * along)
+            }
+        };
+        let longer = way.norm();
+        if longer > length { way * (length / longer) } else { way }
+    }
 }
 
 /// The way (m) that is walked instead of the wanted one; none if that crosses no line.
-fn bent(lines: &[Line], now: &Footprint, then: &Footprint) -> Option<Vector2<f64>> {
+fn bent(lines: &mut [Line], now: &Footprint, then: &Footprint) -> Option<Vector2<f64>> {
     let wanted = then.centre - now.centre;
     let mut way = wanted;
     for _ in 0..MOST_BENDS {
@@ -166,7 +341,7 @@ fn bent(lines: &[Line], now: &Footprint, then: &Footprint) -> Option<Vector2<f64
             if way == wanted { then.heading } else { way.try_normalize(1e-9).unwrap_or(now.heading) };
         let over = |line: &Line| line.crossed_by(now, heading, way);
         // Of those that are crossed the one that is most, in whatever order they come.
-        let worst = lines.iter().max_by(|one, other| {
+        let worst = lines.iter_mut().max_by(|one, other| {
             let by_way =
                 one.normal.x.total_cmp(&other.normal.x).then(one.normal.y.total_cmp(&other.normal.y));
             over(one).total_cmp(&over(other)).then(by_way)
@@ -174,19 +349,8 @@ fn bent(lines: &[Line], now: &Footprint, then: &Footprint) -> Option<Vector2<f64
         let Some(line) = worst.filter(|line| over(line) > ROUNDING) else {
             return (way != wanted).then_some(way);
         };
-        let much = over(line);
-        way -= line.normal * much;
-        let right = Vector2::new(line.normal.y, -line.normal.x);
-        way += match line.others {
-            Some(velocity) if velocity.dot(&wanted) > 0.0 => Vector2::zeros(),
-            Some(_) if wanted.dot(&right) < -HEAD_ON * wanted.norm() => -right * much,
-            // Along a box the side stays the same, wherever the goal is.
-            _ => right * much,
-        };
-        let length = way.norm();
-        if length > wanted.norm() {
-            way *= wanted.norm() / length;
-        }
+        line.has_bent = true;
+        way = line.bend(way, over(line), wanted);
     }
     Some(Vector2::zeros())
 }
@@ -234,12 +398,7 @@ mod tests {
 
     /// Where they are after each step.
     fn run(walkers: &[Walker], boxes: &[Footprint], steps: usize) -> Vec<Vec<PedestrianState>> {
-        let mut rule = KeepClear {
-            who: vec![Some(0.0); walkers.len()],
-            boxes: boxes.to_vec(),
-            wanted: vec![None; walkers.len()],
-            lines: Vec::new(),
-        };
+        let mut rule = KeepClear::of(vec![Some(0.0); walkers.len()], boxes.to_vec());
         let mut now: Vec<_> = walkers.iter().map(|walker| walker.state).collect();
         let step = |_| {
             let wanted = now.iter().zip(walkers).map(|(state, walker)| {

@@ -70,7 +70,7 @@ pub use scenario::agent::{
 };
 pub use sighting::Sighting;
 pub use solid::Solid;
-pub use start::{beginning, blocked_lanes, collision_course, overlaps, path_conflicts};
+pub use start::{beginning, blocked_lanes, collision_course, overlaps, path_conflicts, vehicles_ahead};
 pub use timeline::{Happening, Timeline, TimelineEvent};
 pub use trace::{Sample, Trace, TraceMark};
 pub use turning::{contact_with, vehicles_meet};

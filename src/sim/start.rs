@@ -64,6 +64,17 @@ pub fn blocked_lanes(world: &World) -> Vec<(usize, usize, f64)> {
     blocked
 }
 
+/// The vehicles that are ahead of one in its lane where all begin.
+pub fn vehicles_ahead(world: &World, vehicle: usize) -> Vec<usize> {
+    let (state, own) = (beginning(world), &world.vehicles[vehicle]);
+    let place = |index: usize| state.vehicles[index].motion.travelled;
+    let is_ahead = |other: &usize| {
+        let setup = &world.vehicles[*other];
+        (setup.road, setup.lane) == (own.road, own.lane) && place(*other) > place(vehicle)
+    };
+    (0..world.vehicles.len()).filter(is_ahead).collect()
+}
+
 /// The way (m) that a vehicle drives until it stands in a box, if it does so before the finish line.
 fn met_on_the_way(world: &World, car: &VehicleState, body: &Body) -> Option<f64> {
     let (mut car, start, body) = (car.clone(), car.motion.travelled, Footprint::from(body).shrunk(TOUCHING));

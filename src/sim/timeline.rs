@@ -46,6 +46,18 @@ pub enum Happening {
         /// The vehicle's as it begins, m/s.
         speed: f64,
     },
+    /// A vehicle that its controller steers is more than 0.2 m beside the middle of its lane, having been nearer than half of that.
+    Swerves {
+        /// Whether to its left.
+        left: bool,
+    },
+    /// A part of a vehicle is over the edge of its lane.
+    LeavesLane {
+        /// Whether over the left edge.
+        left: bool,
+    },
+    /// All of a vehicle that had left its lane is in it.
+    ReturnsToLane,
     /// It moved, and stands.
     Stops,
     /// A vehicle that stood drives.
@@ -89,9 +101,15 @@ pub struct Timeline {
     pedestrian_modes: Vec<Mode>,
     vehicle_modes: Vec<Mode>,
     braking: Vec<bool>,
+    swerving: Vec<bool>,
+    /// Whether a part of a vehicle is over the edge of its lane.
+    outside: Vec<bool>,
     walking: Vec<bool>,
     appeared: Vec<bool>,
 }
+
+/// Farther beside the middle of its lane than this a steered vehicle swerves, m.
+const SWERVES: f64 = 0.2;
 
 /// Below this a road user stands, m/s.
 const STANDING: f64 = 0.01;
@@ -106,6 +124,8 @@ impl Timeline {
             pedestrian_modes: vec![Mode::NONE; people],
             vehicle_modes: vec![Mode::NONE; cars],
             braking: vec![false; cars],
+            swerving: vec![false; cars],
+            outside: vec![false; cars],
             walking: vec![false; people],
             appeared: vec![false; people],
         }
@@ -150,6 +170,34 @@ impl Timeline {
             self.add(end, name, Happening::Stops);
         } else if before.speed < STANDING && after.speed >= STANDING {
             self.add(step.time, name, Happening::Resumes);
+        }
+        self.follow_steered(step, index);
+    }
+
+    /// How a vehicle that is steered keeps its lane.
+    fn follow_steered(&mut self, step: &Step, index: usize) {
+        let (car, end) = (&step.after.vehicles[index], step.time + step.duration);
+        let Some(steered) = &car.steered else { return };
+        let world = self.world.clone();
+        let setup = &world.vehicles[index];
+        let (name, offset) = (&setup.name, steered.offset);
+        if !self.swerving[index] && offset.abs() > SWERVES {
+            self.swerving[index] = true;
+            self.add(end, name, Happening::Swerves { left: offset > 0.0 });
+        } else if offset.abs() < SWERVES / 2.0 {
+            self.swerving[index] = false;
+        }
+        let (sine, cosine) = (libm::sin(steered.heading_error).abs(), libm::cos(steered.heading_error).abs());
+        let reach = (car.length * sine + car.width * cosine) / 2.0;
+        let beside = car.path.locate(steered.centre).left();
+        let is_outside = beside.abs() + reach > world.road_of(setup).lane_width / 2.0;
+        if is_outside != self.outside[index] {
+            self.outside[index] = is_outside;
+            let what = match is_outside {
+                true => Happening::LeavesLane { left: beside > 0.0 },
+                false => Happening::ReturnsToLane,
+            };
+            self.add(end, name, what);
         }
     }
 

@@ -80,8 +80,9 @@ fn json_says_the_same_and_every_deceleration() {
     assert_eq!(told["standing"], "failed");
     assert_eq!(told["otherwise"].as_array().unwrap().len(), 4);
     let tried = told["otherwise"][1]["came"]["decelerations"].as_array().unwrap();
-    assert_eq!(tried.len(), 20);
-    assert!(tried[0]["contact"].as_f64().unwrap() > 0.0 && tried[19]["contact"].is_null(), "{tried:?}");
+    // 0 to 10 m/s^2 in steps of 0.5, and halves to 0.01 of the one before the first that is enough.
+    assert_eq!(tried.len(), 27);
+    assert!(tried[0]["contact"].as_f64().unwrap() > 0.0 && tried[26]["contact"].is_null(), "{tried:?}");
     let replay = scenario_runner(root(), &["replay", "zebra_unsafe/stands_in_lane/tta=6s/rep=1"]);
     let fingerprint = told["fingerprint"].as_str().unwrap();
     assert!(stdout(&replay).contains(&format!("fingerprint  {fingerprint}")), "it is the same run");

@@ -15,6 +15,7 @@ mod diffing;
 mod draws;
 mod estimating;
 mod executors;
+mod following;
 mod ground;
 mod hiding;
 mod jaywalker;
@@ -31,6 +32,7 @@ mod same_as;
 mod sequential_gates;
 mod several_others;
 mod signals;
+mod steadiness;
 mod steering;
 #[path = "../support/mod.rs"]
 mod support;

@@ -112,7 +112,7 @@ fn the_deceleration_that_is_enough_is_that_of_the_way_that_is_left() {
     let needed = speed * speed / (2.0 * left);
     let [earlier, harder, later, nobody] = &story.otherwise[..] else { panic!("{:?}", story.otherwise) };
     assert!(matches!(&earlier.came, CameOf::DoesNotApply { because } if because.contains("did not brake")));
-    let Otherwise::BrakesHarder { from, is_first_braking: false, .. } = &harder.what else {
+    let Otherwise::Decelerates { from, is_first_braking: false, .. } = &harder.what else {
         panic!("{harder:?}")
     };
     assert_eq!(*from, seen.time);
@@ -130,6 +130,104 @@ fn the_deceleration_that_is_enough_is_that_of_the_way_that_is_left() {
     assert!(matches!(&nobody.came, CameOf::Run(run) if run.contact.is_none() && run.passes && !run.cut_off));
     // Who has stopped is let go once the way is free; the others have passed.
     assert!(tried.iter().all(|one| !one.run.cut_off), "{tried:?}");
+}
+
+/// The smallest deceleration of a story with which nothing touches, m/s², and the largest below it that was tried.
+fn smallest(story: &Story) -> (f64, f64) {
+    let harder = story.otherwise.iter().find(|one| matches!(one.what, Otherwise::Decelerates { .. }));
+    let CameOf::Decelerations(tried) = &harder.expect("it is tried").came else { panic!("{harder:?}") };
+    assert!(tried.is_sorted_by_key(|one| one.deceleration));
+    let found = tried.iter().position(|one| one.run.contact.is_none()).expect("one is enough");
+    (tried[found].deceleration, tried[found - 1].deceleration)
+}
+
+#[test]
+fn the_smallest_deceleration_is_found_to_a_hundredth() {
+    let story = told(STANDS);
+    let contact = story.contact.as_ref().unwrap();
+    let needed = 10.0 / (2.0 * (contact.time - story.first_seen[0].time.unwrap()));
+    let (enough, not) = smallest(&story);
+    assert!((enough - not - 0.01).abs() < 1e-9, "{enough} {not}");
+    assert!(not <= needed && needed <= enough, "{not} {needed} {enough}");
+}
+
+/// Two vehicles: the second of the file drives into the first.
+fn rear_end(av: &str) -> Story {
+    told(&format!(
+        "scenario rear_end {{
+  road {{ lane_width 3.5 m; speed_limit 80 km/h; crossing zebra }}
+  vehicle first {{ controller constant_deceleration {{ deceleration: 4 m/s^2, distance: 12.5 m }}; speed 10 m/s; size 4 m x 1.8 m; start 52 m before crossing }}
+  vehicle av {{ {av}; size 4 m x 1.8 m; start 122 m before crossing }}
+  pedestrian p {{ model scripted; start 2 m from kerb; along 30 m; appears at 1 s }}
+  horizon 40 s
+  expect {{ no collision(av, first) }}
+}}
+"
+    ))
+}
+
+#[test]
+fn of_two_vehicles_it_is_about_the_one_that_strikes() {
+    let story = rear_end("controller constant_speed; speed 20 m/s");
+    let contact = story.contact.as_ref().expect("nothing slows it");
+    assert_eq!((&*contact.vehicle, &*contact.with), ("av", "first"));
+    assert!((contact.speed - 20.0).abs() < 1e-9);
+    // The first stands with its front at the crossing, 120 m ahead of the other's front less its own length.
+    let (enough, not) = smallest(&story);
+    let needed = 20.0 * 20.0 / (2.0 * 116.0);
+    assert!(not <= needed && needed <= enough + 1e-9, "{not} {needed} {enough}");
+    let Otherwise::Decelerates { vehicle, from, is_first_braking: false } = &story.otherwise[1].what else {
+        panic!("{:?}", story.otherwise[1])
+    };
+    assert_eq!((&**vehicle, *from), ("av", Some(0.0)));
+}
+
+/// From when it began to brake on, instead of its own braking and beyond what its dynamics can.
+#[test]
+fn what_would_be_enough_takes_the_place_of_its_own_braking() {
+    let story = rear_end("controller idm_aeb; speed 20 m/s; dynamics ideal { max_deceleration: 1 m/s^2 }");
+    let contact = story.contact.as_ref().expect("it brakes too little");
+    assert_eq!((&*contact.vehicle, &*contact.with), ("av", "first"));
+    let Otherwise::Decelerates { vehicle, from: Some(from), is_first_braking: true } =
+        &story.otherwise[1].what
+    else {
+        panic!("{:?}", story.otherwise[1])
+    };
+    assert_eq!(vehicle, "av");
+    let index = story.trace.samples.iter().filter(|sample| sample.who == 1);
+    let began =
+        index.min_by(|one, other| (one.time - from).abs().total_cmp(&(other.time - from).abs())).unwrap();
+    // Its front until the rear of the one that stands.
+    let (way, speed) = (-4.0 - (began.position.x + 2.0), began.velocity.norm());
+    let needed = speed * speed / (2.0 * way);
+    let (enough, not) = smallest(&story);
+    assert!(not - 0.02 <= needed && needed <= enough + 0.02, "{not} {needed} {enough}");
+}
+
+/// A steered vehicle that swerves out of its lane and comes back says so.
+#[test]
+fn swerves_and_lane_departures_are_events() {
+    let story = told(
+        "scenario swerves {
+  road { lanes forward, backward; lane_width 3.5 m; speed_limit 50 km/h; crossing unmarked }
+  vehicle av { controller idm_aes; speed 50 km/h; start 60 m before crossing }
+  pedestrian walker {
+    model scripted { speed: 1.4 m/s }
+    size 0.5 m x 0.4 m
+    start 3.2 m from lane centre
+    appears when time_to_arrival(av.front) = 1.5 s
+  }
+  expect { no collision }
+}
+",
+    );
+    let of_av: Vec<_> =
+        story.events.iter().filter(|event| event.who == "av").map(|event| &event.what).collect();
+    let place = |wanted: fn(&sim::Happening) -> bool| of_av.iter().position(|what| wanted(what));
+    let swerves = place(|what| matches!(what, sim::Happening::Swerves { left: true }));
+    let leaves = place(|what| matches!(what, sim::Happening::LeavesLane { left: true }));
+    let returns = place(|what| matches!(what, sim::Happening::ReturnsToLane));
+    assert!(swerves.is_some() && swerves < leaves && leaves < returns, "{of_av:?}");
 }
 
 /// Somebody later is somebody whose file says so.

@@ -127,6 +127,7 @@ pub fn vehicle(
         follows: follows?,
         sees,
         obeys_signals: obeys,
+        ignores_vehicles: last(layers, ast::VehicleBlock::ignores_vehicles).is_some(),
         origin: places.origin(name.span()),
     })
 }
@@ -435,6 +436,9 @@ pub fn write_vehicle(car: &Vehicle, out: &mut BlockText) {
         }
     }
     write_signals(car.obeys_signals, out);
+    if car.ignores_vehicles {
+        out.line("ignores vehicles");
+    }
     if let Some(sees) = &car.sees {
         out.line(&format!("sees {{ {} }}", settings_text(sees)));
     }

@@ -1,14 +1,14 @@
 //! The competent and careful human driver of UN R157, adapted from vehicles that cut in to pedestrians.
 //!
 //! The regulation's driver perceives a risk, evaluates it for 0.4 s, starts to brake 0.75 s later and reaches 0.774 g
-//! within 0.6 s. What counts as a risk is adapted here: a pedestrian on the road who is on a collision course, at a
+//! within 0.6 s. What counts as a risk is adapted here: a pedestrian on the road who is on a collision course, or the vehicle ahead, at a
 //! time to collision below 2 s or too near for the driver to stop later.
 
-use super::hazard::{Ramp, collision_course, keep_speed};
+use super::hazard::{Lead, Ramp, TIE, collision_course, keep_speed, lead, met_when_setting_off};
 use super::period::period;
 use super::red_light::{self, RedLight};
 use super::{CommandKind, ControllerContext, ControllerModel};
-use scenario::{Chance, Declaration, Dimension, Parameter, SignalConduct};
+use scenario::{Attention, Chance, Declaration, Dimension, LooksAt, Parameter, SignalConduct};
 use sim::{Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule, SeenPedestrian};
 
 const R157: &str = "UN R157 annex 3 (annex 4 appendix 3 of the original version), performance \
@@ -113,6 +113,7 @@ pub fn careful_human() -> ControllerModel {
         .driving("ideal")
         .chance(Chance::Never)
         .signals(SignalConduct::Obeys)
+        .attention(Attention::Reacts(|_| LooksAt::OWN_LANE))
 }
 
 struct CarefulHuman {
@@ -176,24 +177,56 @@ fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError>
 /// Absorbs the rounding of summed times, s.
 const TIME_TOLERANCE: f64 = 1e-9;
 
+/// So much farther (m) than where it is a risk the vehicle ahead has to be before the driver speeds up towards it; free choice.
+const NOT_PRESSING_ON: f64 = 1.0;
+
 impl CarefulHuman {
     /// Whether anybody is on a collision course (`near`: and near enough to be a risk).
     fn any_conflict(&self, observation: &Observation, near: bool) -> bool {
-        observation.pedestrians.iter().any(|seen| {
+        let ego = &observation.ego;
+        let people = observation.pedestrians.iter().any(|seen| {
             self.on_the_road(observation, seen)
-                && collision_course(&observation.ego, seen, self.margin).is_some_and(|hazard| {
-                    let speed = observation.ego.speed;
+                && collision_course(ego, seen, self.margin).is_some_and(|hazard| {
                     !near
-                        || hazard.time_to_collision < self.risk_time
+                        || hazard.time_to_collision < self.risk_time - TIE
                         || self.anticipates
-                            && hazard.gap - self.standstill_gap < self.stopping_distance(speed)
+                            && hazard.gap - self.standstill_gap < self.stopping_distance(ego.speed) - TIE
                 })
-        })
+        });
+        let is_conflict = |ahead: Lead| {
+            ahead.time_to_collision.is_finite()
+                && (!near
+                    || ahead.time_to_collision < self.risk_time - TIE
+                    || self.anticipates && self.room_behind(&ahead, ego.speed) < -TIE)
+        };
+        people || observation.vehicles.iter().filter_map(|seen| lead(ego, seen)).any(is_conflict)
+    }
+
+    /// What is left (m) of the gap to the vehicle ahead if that brakes now as hard as the driver can, and the driver reacts to it.
+    fn room_behind(&self, ahead: &Lead, speed: f64) -> f64 {
+        let own = self.stopping_distance(speed);
+        let others = ahead.speed.max(0.0);
+        let others = self.stopping_distance(others) - others * (self.risk_evaluation + self.reaction_delay);
+        ahead.gap - self.standstill_gap - own + others
+    }
+
+    /// Whether the driver leaves the speed as it is, since somebody or something is before the vehicle: from standstill people who are in
+    /// its strip or will be, near enough that it would have to brake for them before it is at its wanted speed; always the vehicle ahead.
+    fn holds(&self, observation: &Observation) -> bool {
+        let ego = &observation.ego;
+        let reach = self.standstill_gap + self.stopping_distance(observation.cruise_speed);
+        let person = |seen: &SeenPedestrian| {
+            let gap = met_when_setting_off(ego, seen, self.margin, self.acceleration);
+            self.on_the_road(observation, seen) && gap.is_some_and(|gap| gap < reach)
+        };
+        let too_near = |ahead: Lead| self.room_behind(&ahead, ego.speed) < NOT_PRESSING_ON;
+        ego.speed == 0.0 && observation.pedestrians.iter().any(person)
+            || observation.vehicles.iter().filter_map(|seen| lead(ego, seen)).any(too_near)
     }
 
     fn on_the_road(&self, observation: &Observation, seen: &SeenPedestrian) -> bool {
         let y = seen.position.y;
-        (y - observation.road.right_kerb).min(observation.road.left_kerb - y) >= self.risk_line
+        (y - observation.road.right_kerb).min(observation.road.left_kerb - y) >= self.risk_line - TIE
     }
 
     /// From the perception of a risk to standstill, m.
@@ -250,7 +283,8 @@ impl Controller for CarefulHuman {
             // The first decision after the delay begins the ramp.
             ramp.toward(-self.deceleration, jerk, duration)
         } else {
-            keep_speed(speed, observation.cruise_speed, self.acceleration, self.deceleration)
+            let wanted = keep_speed(speed, observation.cruise_speed, self.acceleration, self.deceleration);
+            if wanted > 0.0 && self.holds(observation) { 0.0 } else { wanted }
         };
         let red = self.red_light.as_mut().and_then(|rule| rule.braking(observation));
         let Some(braking) = red else {
@@ -373,6 +407,56 @@ mod tests {
         assert!(modes(|_| (Vector2::new(50.0, -2.5), Vector2::new(0.0, 1.4))));
         assert!(modes(|time| (Vector2::new(50.0, -2.0 + 1.4 * time), Vector2::new(0.0, 1.4))));
         assert!(!modes(|_| (Vector2::new(50.0, 0.0), Vector2::zeros())));
+    }
+
+    /// Drives for a while (s) behind a vehicle whose place (m) and speed (m/s) are functions of time, once it is there; the gap, the speed and
+    /// the mode after each step.
+    fn behind(lead: impl Fn(f64) -> Option<(f64, f64)>, duration: f64) -> Vec<(f64, f64, Mode)> {
+        let mut track = track(&[]);
+        let step = |index: usize| {
+            track.observation.vehicles.clear();
+            let ahead = lead(index as f64 * 0.025);
+            if let Some((place, speed)) = ahead {
+                track.see_vehicle(place - track.motion.travelled, speed);
+            }
+            let sample = track.advance();
+            let gap = ahead.map_or(f64::INFINITY, |(place, _)| place - track.motion.travelled - 4.5);
+            (gap, sample.speed, sample.mode)
+        };
+        (0..(duration / 0.025) as usize).map(step).collect()
+    }
+
+    #[test]
+    fn a_vehicle_that_stands_before_it_is_a_risk_with_the_same_times() {
+        let place = CRUISE + 4.5 + 17.2;
+        let samples = behind(|time| (time >= 1.0 - 1e-9).then_some((place, 0.0)), 8.0);
+        let first = |mode: &str| samples.iter().position(|sample| sample.2 == mode).unwrap() as f64 * 0.025;
+        assert!((first("evaluating") - 1.0).abs() < 0.026);
+        assert!((first("braking") - 2.15).abs() < 0.026, "{}", first("braking"));
+        let last = samples.last().unwrap();
+        assert!(last.1 == 0.0 && last.0 > 0.0, "{last:?}");
+    }
+
+    #[test]
+    fn a_slower_vehicle_is_followed_and_nothing_is_done_beyond_its_reach() {
+        let samples = behind(|time| Some((60.0 + 5.0 * time, 5.0)), 60.0);
+        // 1.15 s at 5 m/s and the metre that it keeps, and up to one more.
+        let settled = &samples[1600..];
+        assert!(settled.iter().all(|(gap, ..)| (6.0..9.5).contains(gap)), "{:?}", settled[0]);
+        assert!(settled.iter().all(|(_, speed, _)| (speed - 5.0).abs() < 0.5), "{:?}", settled[0]);
+        let far = behind(|time| Some((60.0 + 9.0 * time, 9.0)), 30.0);
+        assert!(far.iter().all(|sample| sample.2 == "cruise" && sample.1 == CRUISE));
+    }
+
+    #[test]
+    fn it_waits_behind_a_queue_and_goes_with_it() {
+        let place = |time: f64| {
+            let driven = (time - 20.0_f64).max(0.0);
+            Some((50.0 + driven * driven / 2.0, driven))
+        };
+        let samples = behind(place, 30.0);
+        assert!(samples[790].1 == 0.0 && (0.0..2.1).contains(&samples[790].0), "{:?}", samples[790]);
+        assert!(samples.iter().all(|(gap, ..)| *gap > 0.0) && samples.last().unwrap().1 > 5.0);
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! The COMMOTIONS model as a driver: a vehicle that negotiates with pedestrians as a person at the wheel would.
 
 use super::hazard::keep_speed;
+use super::idm::Idm;
 use super::red_light::{self, RedLight};
 use super::{CommandKind, ControllerContext, ControllerModel};
 use crate::pedestrian::commotions::model::{Bodies, Person};
@@ -8,11 +9,16 @@ use crate::pedestrian::commotions::parameters::parameters;
 use crate::pedestrian::commotions::state::{AgentBody, Control};
 use crate::pedestrian::commotions::{CommotionsAgent, ConflictState, Rules, Sight, State};
 use numbers::random::Stream;
-use scenario::{Approach, Chance, Declaration, Parameter, PedestrianSetup, SignalConduct};
+use scenario::{
+    Approach, Attention, Chance, Declaration, LooksAt, Parameter, PedestrianSetup, SignalConduct, Value,
+};
 use sim::random::{self, Purpose};
 use sim::{
     Command, Controller, ControllerError, EgoState, Mode, ModelError, Observation, Schedule, SeenPedestrian,
 };
+
+/// The parameter that says whether it keeps behind vehicles ahead.
+const FOLLOWS: &str = "follows_vehicles";
 
 /// The registry entry.
 pub fn commotions() -> ControllerModel {
@@ -30,11 +36,26 @@ pub fn commotions() -> ControllerModel {
         "The pedestrian whose parameters the driver has, as both agents of the published fits have the same; what else is \
          said here wins",
         "Markkula et al. 2023",
-    ));
+    ))
+    .with(
+        Parameter::flag(
+            FOLLOWS,
+            true,
+            "Whether it keeps behind vehicles ahead in its lane, by the intelligent driver model as a second bound: the smaller acceleration \
+             counts, and nothing is drawn for it",
+            "ours; the model knows pedestrians alone",
+        )
+        .was(Value::Flag(false)),
+    );
     ControllerModel::new(declaration, CommandKind::Acceleration, build)
         .driving("ideal")
         .chance(Chance::Always)
         .signals(SignalConduct::Obeys)
+        .attention(Attention::Reacts(|settings| LooksAt {
+            people_along: false,
+            vehicles_ahead: settings.flag(FOLLOWS),
+            ..LooksAt::OWN_LANE
+        }))
 }
 
 fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError> {
@@ -76,8 +97,10 @@ fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError>
         draws: random::stream(context.seed, agent, Purpose::Perception),
         acceleration: 0.0,
         red_light: RedLight::new(context, red_light::REACTION, red_light::DECELERATION),
-        stopped_for_red: false,
+        idm: context.settings.flag(FOLLOWS).then(|| Idm::behind_others(BACK_TO_SPEED.0, BACK_TO_SPEED.1)),
+        slowed: false,
         for_red: None,
+        follows: false,
         period: person.dt,
         entry_inhibited_until: context.settings.number("entry_inhibited_until"),
     }))
@@ -164,10 +187,14 @@ struct Driver {
     acceleration: f64,
     /// `None`: it ignores signals.
     red_light: Option<RedLight>,
-    /// Whether it has braked for a signal, so that its speed is no longer the one to keep.
-    stopped_for_red: bool,
+    /// `None`: it is blind to vehicles.
+    idm: Option<Idm>,
+    /// Whether a signal or a vehicle ahead has slowed it, so that its speed is no longer the one to keep.
+    slowed: bool,
     /// While it brakes for a signal, whether it stands.
     for_red: Option<bool>,
+    /// Whether a vehicle ahead decides its acceleration.
+    follows: bool,
     period: f64,
     entry_inhibited_until: f64,
 }
@@ -225,21 +252,28 @@ impl Controller for Driver {
         if let Some(decision) = decision {
             self.acceleration = decision.acceleration;
         }
-        if self.stopped_for_red && !self.meets_anybody() {
+        if self.slowed && !self.meets_anybody() {
             let (up, down) = BACK_TO_SPEED;
             self.acceleration = keep_speed(speed, observation.cruise_speed, up, down);
         }
+        let behind = self.idm.as_ref().and_then(|idm| idm.bound(observation));
+        let behind = behind.filter(|behind| *behind < self.acceleration);
+        self.follows = behind.is_some();
         let braking = self.red_light.as_mut().and_then(|rule| rule.braking(observation));
         self.for_red = braking.map(|_| red_light::stands(speed));
-        let Some(braking) = braking else { return Ok(Command::Acceleration(self.acceleration)) };
-        self.stopped_for_red = true;
-        Ok(Command::Acceleration(self.acceleration.min(-braking)))
+        self.slowed |= self.follows || braking.is_some();
+        let bounds = behind.into_iter().chain(braking.map(|braking| -braking));
+        Ok(Command::Acceleration(bounds.fold(self.acceleration, f64::min)))
     }
 
     fn mode(&self) -> Mode {
         if let Some(stands) = self.for_red {
             return Mode::new(red_light::mode(stands));
         }
-        Mode::new(if self.meets_anybody() { "negotiating" } else { "" })
+        Mode::new(match self.follows {
+            true => "following",
+            false if self.meets_anybody() => "negotiating",
+            false => "",
+        })
     }
 }

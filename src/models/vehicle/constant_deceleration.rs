@@ -4,7 +4,7 @@ use super::hazard::keep_speed;
 use super::period::period;
 use super::red_light::LOOKS_AT_NOTHING;
 use super::{CommandKind, ControllerContext, ControllerModel};
-use scenario::{Chance, Declaration, Dimension, Parameter};
+use scenario::{Attention, Chance, Declaration, Dimension, Parameter};
 use sim::{Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule};
 
 const FREE: &str = "free choice";
@@ -32,6 +32,7 @@ pub fn constant_deceleration() -> ControllerModel {
         .driving("ideal")
         .chance(Chance::Never)
         .signals(LOOKS_AT_NOTHING)
+        .attention(Attention::Scripted)
 }
 
 struct ConstantDeceleration {

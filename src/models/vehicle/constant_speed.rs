@@ -3,7 +3,7 @@
 use super::period::period;
 use super::red_light::LOOKS_AT_NOTHING;
 use super::{CommandKind, ControllerContext, ControllerModel};
-use scenario::{Chance, Declaration, Dimension, Parameter};
+use scenario::{Attention, Chance, Declaration, Dimension, Parameter};
 use sim::{Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule};
 
 pub fn constant_speed() -> ControllerModel {
@@ -28,6 +28,7 @@ pub fn constant_speed() -> ControllerModel {
         .driving("ideal")
         .chance(Chance::Never)
         .signals(LOOKS_AT_NOTHING)
+        .attention(Attention::Scripted)
 }
 
 struct ConstantSpeed {

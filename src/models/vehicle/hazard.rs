@@ -1,7 +1,11 @@
 //! Who is in the way of a vehicle: pedestrians on a collision course at constant velocities.
 
-use scenario::Shape;
-use sim::{EgoState, SeenPedestrian};
+use scenario::{CROSSES, Shape};
+use sim::{EgoState, SeenPedestrian, SeenVehicle};
+
+/// Two numbers (m, s, m/s, m/s²) of which one is to be above the other count as equal if they are no farther apart than this: whole speeds and
+/// places come to thresholds exactly, and rounding is not to decide then.
+pub const TIE: f64 = 1e-6;
 
 /// A pedestrian on a collision course.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,20 +26,78 @@ pub fn collision_course(ego: &EgoState, pedestrian: &SeenPedestrian, margin: f64
     let radius = half_size(pedestrian.shape);
     let (x, y) = (pedestrian.position.x, pedestrian.position.y);
     let clear_behind = x + radius + ego.length / 2.0;
-    if clear_behind < 0.0 {
+    if clear_behind < -TIE {
         return None;
     }
     let gap = (x - radius - ego.length / 2.0).max(0.0);
     let half_width = ego.width / 2.0 + radius + margin;
     let closing = ego.speed - pedestrian.velocity.x;
     if closing <= NOT_CLOSING {
-        let inside = y.abs() <= half_width;
+        let inside = y.abs() <= half_width + TIE;
         return inside.then_some(Hazard { gap, time_to_collision: f64::INFINITY });
     }
     let (arrives, leaves) = (gap / closing, clear_behind / closing);
     let (first, last) = (y + pedestrian.velocity.y * arrives, y + pedestrian.velocity.y * leaves);
-    let meets = first.min(last) <= half_width && first.max(last) >= -half_width;
+    let meets = first.min(last) <= half_width + TIE && first.max(last) >= -half_width - TIE;
     meets.then_some(Hazard { gap, time_to_collision: arrives })
+}
+
+/// Whether a pedestrian is in the swept strip of a vehicle that stands, widened by `margin` m on each side, or will be while the vehicle
+/// passes if it sets off now with `acceleration` (m/s²); with the gap to them, m.
+pub fn met_when_setting_off(
+    ego: &EgoState,
+    pedestrian: &SeenPedestrian,
+    margin: f64,
+    acceleration: f64,
+) -> Option<f64> {
+    let radius = half_size(pedestrian.shape);
+    let (x, y) = (pedestrian.position.x, pedestrian.position.y);
+    let clear_behind = x + radius + ego.length / 2.0;
+    if clear_behind < 0.0 {
+        return None;
+    }
+    let gap = (x - radius - ego.length / 2.0).max(0.0);
+    let half_width = ego.width / 2.0 + radius + margin;
+    let after = |way: f64| y + pedestrian.velocity.y * (2.0 * way / acceleration).sqrt();
+    let (first, last) = (after(gap), after(clear_behind));
+    let is_inside = y.abs() <= half_width + TIE;
+    let meets = first.min(last) <= half_width + TIE && first.max(last) >= -half_width - TIE;
+    (is_inside || meets).then_some(gap)
+}
+
+/// A vehicle ahead in the lane, or about to be, that stands or drives along it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lead {
+    /// From bumper to bumper, m.
+    pub gap: f64,
+    /// Along the lane, m/s; negative if it comes towards.
+    pub speed: f64,
+    /// Until the gap is closed at the present speeds, s; infinite when it does not close.
+    pub time_to_collision: f64,
+}
+
+/// The lead that another vehicle is if the strips that both sweep meet, both keeping their velocity.
+pub fn lead(ego: &EgoState, other: &SeenVehicle) -> Option<Lead> {
+    /// Below this it stands, whatever way noise lets it seem to move, m/s.
+    const STANDS: f64 = 0.5;
+    let (position, velocity) = (other.position, other.velocity);
+    let speed = velocity.norm();
+    if position.x <= 0.0 || speed > STANDS && velocity.y.abs() >= CROSSES * speed {
+        return None;
+    }
+    let gap = (position.x - (ego.length + other.length) / 2.0).max(0.0);
+    let half_width = (ego.width + other.width) / 2.0;
+    let closing = ego.speed - velocity.x;
+    let closes = closing > NOT_CLOSING;
+    let (arrives, leaves) = (gap / closing, (gap + ego.length + other.length) / closing);
+    let beside = |time: f64| position.y + velocity.y * time;
+    let (first, last) = if closes { (beside(arrives), beside(leaves)) } else { (position.y, position.y) };
+    let meets = first.min(last) < half_width && first.max(last) > -half_width;
+    meets.then_some(Lead {
+        gap,
+        speed: velocity.x,
+        time_to_collision: if closes { arrives } else { f64::INFINITY },
+    })
 }
 
 /// The larger half extent of a footprint, m.

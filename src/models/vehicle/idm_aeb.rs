@@ -1,12 +1,14 @@
 //! Intelligent-driver cruise with automatic emergency braking for pedestrians.
 
-use super::hazard::{Hazard, Ramp, collision_course};
+use super::hazard::{Hazard, Ramp, TIE, collision_course};
+use super::idm::{CITY, IDM, Idm};
 use super::period::period;
 use super::red_light::{self, RedLight};
 use super::{CommandKind, ControllerContext, ControllerModel};
 use nalgebra::Vector2;
 use scenario::{
-    CROSSES, Chance, ChoiceOption, Declaration, Dimension, Parameter, Shape, SignalConduct, Value,
+    Attention, CROSSES, Chance, ChoiceOption, Declaration, Dimension, LooksAt, Parameter, Settings, Shape,
+    SignalConduct, Value,
 };
 use sim::geometry::Footprint;
 use sim::{
@@ -14,7 +16,6 @@ use sim::{
     SeenVehicle,
 };
 
-const IDM: &str = "Treiber & Kesting, Traffic Flow Dynamics (2013), table 11.2, city traffic";
 const ROSEN: &str = "Rosén et al., Accident Analysis & Prevention 42 (2010)";
 const R157: &str = "UN R157 annex 3: 0.6 s to 0.85 g, derived from UN R152";
 const ASSUMED: &str = "assumption";
@@ -34,6 +35,12 @@ pub fn idm_aeb() -> ControllerModel {
         .driving("ideal")
         .chance(Chance::Never)
         .signals(SignalConduct::Obeys)
+        .attention(Attention::Reacts(looks_at))
+}
+
+/// What it looks at, which is also what `idm_aes` does.
+pub(super) fn looks_at(settings: &Settings) -> LooksAt {
+    LooksAt { other_roads: settings.flag("crossing_vehicles"), ..LooksAt::OWN_LANE }
 }
 
 /// What is known of it, which is also what `idm_aes` knows.
@@ -42,7 +49,7 @@ pub(super) fn parameters() -> [Parameter; 16] {
         Parameter::number(
             "time_headway",
             Dimension::TIME,
-            1.0,
+            CITY.0,
             (0.0, 10.0),
             "Wanted time gap to a vehicle ahead.",
             IDM,
@@ -50,7 +57,7 @@ pub(super) fn parameters() -> [Parameter; 16] {
         Parameter::number(
             "minimum_gap",
             Dimension::LENGTH,
-            2.0,
+            CITY.1,
             (0.0, 50.0),
             "Wanted gap to a vehicle ahead at standstill.",
             IDM,
@@ -186,50 +193,8 @@ pub(super) struct IdmAeb {
     emergency: Option<usize>,
 }
 
-struct Idm {
-    headway: f64,
-    minimum_gap: f64,
-    acceleration: f64,
-    deceleration: f64,
-    exponent: f64,
-}
-
 fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError> {
     Ok(Box::new(IdmAeb::new(context)))
-}
-
-impl Idm {
-    /// The model's acceleration, m/s².
-    fn acceleration(&self, observation: &Observation) -> f64 {
-        let ego = &observation.ego;
-        let wanted = observation.cruise_speed;
-        let free = if wanted > 0.0 { libm::pow(ego.speed / wanted, self.exponent) } else { 1.0 };
-        let interaction = observation
-            .vehicles
-            .iter()
-            .filter(|other| other.position.y.abs() < (ego.width + other.width) / 2.0)
-            .filter_map(|other| {
-                let gap = other.position.x - (ego.length + other.length) / 2.0;
-                (other.position.x > 0.0).then(|| self.interaction(ego.speed, other.velocity.x, gap))
-            })
-            .fold(0.0, f64::max);
-        self.acceleration * (1.0 - free - interaction)
-    }
-
-    /// What a vehicle at speed `other` (m/s), `gap` m ahead, takes from the acceleration, as a share of the largest.
-    fn interaction(&self, own: f64, other: f64, gap: f64) -> f64 {
-        let approach = own * (own - other) / (2.0 * (self.acceleration * self.deceleration).sqrt());
-        let wish = self.minimum_gap + (own * self.headway + approach).max(0.0);
-        let ratio = wish / gap.max(0.1);
-        ratio * ratio
-    }
-
-    /// The acceleration behind a vehicle that stands at the stop line, `gap` m ahead (m/s²), but never harder than it takes to stop there
-    /// or than is comfortable: the model itself brakes too hard for what stands up at once before it.
-    fn behind_line(&self, speed: f64, gap: f64) -> f64 {
-        let hardest = red_light::needed(speed, gap).clamp(self.deceleration, red_light::HARDEST);
-        (self.acceleration * (1.0 - self.interaction(speed, 0.0, gap))).max(-hardest)
-    }
 }
 
 impl IdmAeb {
@@ -336,7 +301,8 @@ impl IdmAeb {
 
     fn is_visible(&self, length: f64, position: Vector2<f64>) -> bool {
         let ahead = position.x - length / 2.0;
-        libm::hypot(ahead, position.y) <= self.range && libm::atan2(position.y, ahead).abs() <= self.half_view
+        libm::hypot(ahead, position.y) <= self.range + TIE
+            && libm::atan2(position.y, ahead).abs() <= self.half_view
     }
 }
 
@@ -348,7 +314,7 @@ impl Controller for IdmAeb {
     fn act(&mut self, observation: &Observation) -> Result<Command, ControllerError> {
         let duration =
             observation.time - self.last_time.replace(observation.time).unwrap_or(observation.time);
-        let mut cruise = self.idm.acceleration(observation);
+        let mut cruise = self.idm.cruise(observation);
         let speed = observation.ego.speed;
         let line = self.red_light.as_mut().and_then(|rule| rule.gap(observation));
         let for_red = line.map(|gap| self.idm.behind_line(speed, gap)).filter(|found| *found <= cruise);
@@ -357,7 +323,7 @@ impl Controller for IdmAeb {
         let hazard = nearest.map(|(_, hazard)| hazard.time_to_collision);
         let hazard = [hazard, self.crossed_after(observation)].into_iter().flatten().reduce(f64::min);
         let standing = observation.ego.speed == 0.0;
-        if self.braking.is_none() && hazard.is_some_and(|time| time <= self.trigger) {
+        if self.braking.is_none() && hazard.is_some_and(|time| time <= self.trigger + TIE) {
             self.braking = Some(Ramp::from(observation.ego.acceleration.min(0.0)));
             self.clear_since = None;
         } else if self.braking.is_some() && hazard.is_none() && (standing || !self.until_standstill) {

@@ -2,10 +2,12 @@
 
 use std::borrow::Cow;
 
-use super::hazard::{Ramp, half_size};
-use super::idm_aeb::{IdmAeb, parameters};
+use super::hazard::{Ramp, TIE, half_size};
+use super::idm_aeb::{IdmAeb, looks_at, parameters};
 use super::{CommandKind, ControllerContext, ControllerModel};
-use scenario::{Chance, ChoiceOption, Declaration, Dimension, GRAVITY, Parameter, REAR_AXLE, SignalConduct};
+use scenario::{
+    Attention, Chance, ChoiceOption, Declaration, Dimension, GRAVITY, Parameter, REAR_AXLE, SignalConduct,
+};
 use sim::{Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule, SeenPedestrian};
 
 const ASSUMED: &str = "assumption";
@@ -89,6 +91,7 @@ pub fn idm_aes() -> ControllerModel {
         .driving("ideal")
         .chance(Chance::Never)
         .signals(SignalConduct::Obeys)
+        .attention(Attention::Reacts(looks_at))
         .steering()
 }
 
@@ -196,7 +199,7 @@ fn arrives(seen: &Observation, way: f64, deceleration: f64, jerk: f64) -> Option
     const STEP: f64 = 0.005;
     let (mut speed, mut driven, mut time) = (seen.ego.speed, 0.0, 0.0);
     let mut ramp = Ramp::from(seen.ego.acceleration.min(0.0));
-    while driven < way {
+    while driven < way - TIE {
         let after = speed + ramp.toward(-deceleration, jerk, STEP) * STEP;
         if after <= 0.0 {
             return None;
@@ -255,8 +258,8 @@ impl IdmAes {
             (right, left) = (right.max(-road.lane_width / 2.0), left.min(road.lane_width / 2.0));
         }
         // Where it is already it may stay.
-        if target - half < right.min(ego.lateral_offset - half)
-            || target + half > left.max(ego.lateral_offset + half)
+        if target - half < right.min(ego.lateral_offset - half) - TIE
+            || target + half > left.max(ego.lateral_offset + half) + TIE
         {
             return false;
         }

@@ -8,6 +8,7 @@ mod constant_deceleration;
 mod constant_speed;
 mod dynamics;
 mod hazard;
+mod idm;
 mod idm_aeb;
 mod idm_aes;
 mod perception;

@@ -4,6 +4,7 @@
 //! is what signals are timed for: a yellow of t + v / (2 a) lets everybody pass who cannot stop with a after t.
 
 use super::ControllerContext;
+use super::hazard::TIE;
 use scenario::{SignalConduct, SignalState};
 use sim::Observation;
 
@@ -68,7 +69,7 @@ impl RedLight {
         let gap = edge - signal.stop_line;
         let seen_for = observation.time - *self.since.get_or_insert(observation.time);
         if !self.stops && seen_for >= self.reaction - TIME_TOLERANCE {
-            let in_time = gap > 0.0 && ego.speed * ego.speed <= 2.0 * self.deceleration * gap;
+            let in_time = gap > 0.0 && ego.speed * ego.speed <= 2.0 * self.deceleration * gap + TIE;
             // Past the line it clears the crossing, unless it crawls before it or stands there.
             self.stops = in_time || ego.speed <= CRAWLING && edge > 0.0;
         }
@@ -79,7 +80,7 @@ impl RedLight {
     pub fn braking(&mut self, observation: &Observation) -> Option<f64> {
         let gap = self.gap(observation)?;
         let needed = needed(observation.ego.speed, gap);
-        self.brakes |= needed >= COMFORTABLE;
+        self.brakes |= needed >= COMFORTABLE - TIE;
         self.brakes.then(|| needed.clamp(COMFORTABLE, HARDEST))
     }
 }

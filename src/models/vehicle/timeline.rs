@@ -5,7 +5,7 @@ use super::period::period;
 use super::red_light::LOOKS_AT_NOTHING;
 use super::{CommandKind, ControllerContext, ControllerModel};
 use scenario::agent::ScriptStep;
-use scenario::{Chance, Declaration, Dimension, Parameter, TextError};
+use scenario::{Attention, Chance, Declaration, Dimension, Parameter, TextError};
 use sim::script::{Action, Script, ScriptQuantity, parameters};
 use sim::{Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule};
 
@@ -39,6 +39,7 @@ pub fn timeline() -> ControllerModel {
         .driving("ideal")
         .chance(Chance::Never)
         .signals(LOOKS_AT_NOTHING)
+        .attention(Attention::Scripted)
 }
 
 /// `distance`: from the front bumper along the road to the near edge of the nearest pedestrian ahead.

@@ -1,10 +1,11 @@
 //! A driver who yields: stops before a zebra for anybody at or near the kerb.
 
-use super::hazard::{collision_course, keep_speed};
+use super::hazard::{TIE, collision_course, keep_speed};
+use super::idm::Idm;
 use super::period::period;
 use super::red_light::{self, RedLight};
 use super::{CommandKind, ControllerContext, ControllerModel};
-use scenario::{Chance, Declaration, Dimension, Parameter, SignalConduct};
+use scenario::{Attention, Chance, Declaration, Dimension, LooksAt, Parameter, SignalConduct};
 use sim::{Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule, SeenPedestrian};
 
 const RULE: &str = "Vienna Convention on Road Traffic (1968), article 21: give way to pedestrians \
@@ -15,7 +16,7 @@ pub fn yielding() -> ControllerModel {
     let declaration = Declaration::new(
         "yielding",
         "Stops before the crossing for a pedestrian on it, at or near the kerb, if it \
-         can brake in time, and waits.",
+         can brake in time, and waits; follows the vehicle ahead.",
     )
     .source(RULE)
     .parameters([
@@ -111,6 +112,7 @@ pub fn yielding() -> ControllerModel {
         .driving("ideal")
         .chance(Chance::Never)
         .signals(SignalConduct::Obeys)
+        .attention(Attention::Reacts(|_| LooksAt::OWN_LANE))
 }
 
 struct Yielding {
@@ -126,6 +128,8 @@ struct Yielding {
     margin: f64,
     patience: f64,
     acceleration: f64,
+    /// Behind vehicles ahead.
+    idm: Idm,
     /// How far each pedestrian has come, by identity.
     progress: Vec<Progress>,
     stopping: bool,
@@ -169,6 +173,7 @@ fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError>
         margin: settings.number("margin"),
         patience: settings.optional_number("patience").unwrap_or(f64::INFINITY),
         acceleration: settings.number("acceleration"),
+        idm: Idm::behind_others(settings.number("acceleration"), comfortable),
         progress: vec![Progress::Before; context.world.pedestrians.len()],
         stopping: false,
         standing_since: None,
@@ -190,7 +195,7 @@ impl Yielding {
             let progress = &mut self.progress[seen.id];
             let outside = seen.position.y.abs() - half_lane;
             *progress = match *progress {
-                _ if outside <= 0.0 => Progress::InLane,
+                _ if outside <= TIE => Progress::InLane,
                 Progress::InLane if seen.velocity.y * seen.position.y > 0.0 => Progress::Across,
                 other => other,
             };
@@ -198,7 +203,7 @@ impl Yielding {
     }
 
     fn on_the_road(&self, observation: &Observation, seen: &SeenPedestrian) -> bool {
-        (observation.road.right_kerb..=observation.road.left_kerb).contains(&seen.position.y)
+        (observation.road.right_kerb - TIE..=observation.road.left_kerb + TIE).contains(&seen.position.y)
     }
 
     /// The crossing that it stops at: of those that it has not left behind the first at which somebody is whom it gives way to, else
@@ -233,10 +238,10 @@ impl Yielding {
             let beside =
                 (seen.position.x - crossing.distance).abs() - crossing.width / 2.0 - self.along_margin;
             let y = seen.position.y;
-            let near_kerb = y >= road.right_kerb - self.kerb_distance;
-            let far_kerb = y <= road.left_kerb + if self.far_kerb { self.kerb_distance } else { 0.0 };
+            let near_kerb = y >= road.right_kerb - self.kerb_distance - TIE;
+            let far_kerb = y <= road.left_kerb + TIE + if self.far_kerb { self.kerb_distance } else { 0.0 };
             let waits_only = !self.on_the_road(observation, seen);
-            beside <= 0.0
+            beside <= TIE
                 && near_kerb
                 && far_kerb
                 && self.progress[seen.id] != Progress::Across
@@ -257,7 +262,7 @@ impl Yielding {
             return;
         }
         let since = *self.standing_since.get_or_insert(observation.time);
-        self.impatient = self.impatient || observation.time - since >= self.patience;
+        self.impatient = self.impatient || observation.time - since >= self.patience - TIE;
     }
 }
 
@@ -297,7 +302,11 @@ impl Controller for Yielding {
     }
 
     fn act(&mut self, observation: &Observation) -> Result<Command, ControllerError> {
-        let acceleration = self.among_people(observation);
+        let mut acceleration = self.among_people(observation);
+        if let Some(behind) = self.idm.bound(observation).filter(|behind| *behind < acceleration) {
+            self.mode = "following";
+            acceleration = behind;
+        }
         let braking = self.red_light.as_mut().and_then(|rule| rule.braking(observation));
         if let Some(braking) = braking.filter(|braking| -braking <= acceleration) {
             self.mode = red_light::mode(red_light::stands(observation.ego.speed));
@@ -331,13 +340,13 @@ impl Yielding {
             f64::INFINITY
         };
         let limit = if self.stopping { self.emergency_deceleration } else { self.max_deceleration };
-        if yields && needed <= limit {
-            self.stopping = self.stopping || needed >= self.deceleration || ego.speed == 0.0;
+        if yields && needed <= limit + TIE {
+            self.stopping = self.stopping || needed >= self.deceleration - TIE || ego.speed == 0.0;
         } else if !(yields && self.stopping && line > -0.5) {
             self.stopping = false;
         }
         let room = self.room(observation);
-        if ego.speed * ego.speed > 2.0 * self.max_deceleration * room {
+        if ego.speed * ego.speed > 2.0 * self.max_deceleration * room + TIE {
             self.mode = "emergency_braking";
             return -self.emergency_deceleration;
         }
@@ -453,6 +462,19 @@ mod tests {
         let samples = track.drive(15.0);
         assert!(samples.iter().any(|sample| sample.mode == "emergency_braking"));
         assert!(track.motion.speed == 0.0 && track.front() < 60.0 - 0.1875);
+    }
+
+    #[test]
+    fn stops_behind_a_vehicle_that_stands_before_its_line() {
+        let mut track = track(&[]);
+        track.place_pedestrian(60.0, -2.5);
+        for _ in 0..1600 {
+            track.see_vehicle(40.0 - track.motion.travelled, 0.0);
+            track.advance();
+        }
+        let gap = 40.0 - 2.25 - track.front();
+        assert!((1.9..2.6).contains(&gap) && track.motion.speed < 0.05, "{gap}");
+        assert_eq!(track.controller.mode(), "following");
     }
 
     #[test]

@@ -74,6 +74,7 @@ fn scenario() -> Scenario {
             lane: 0,
             sees: None,
             obeys_signals: None,
+            ignores_vehicles: false,
             origin: Origin::default(),
         }],
         pedestrians: vec![DeclaredPedestrian {

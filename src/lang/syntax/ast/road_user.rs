@@ -22,6 +22,7 @@ views! {
         signals: (SignalRule),
         obeys: (Obeys),
         ignores: (Ignores),
+        ignores_vehicles: (IgnoresVehicles),
     }
     Controller = controller { name: Name, settings: (Settings) }
     Dynamics = dynamics { name: Name, settings: (Settings) }
@@ -102,6 +103,8 @@ views! {
     Obeys = obeys {}
     /// `ignores signals`
     Ignores = ignores {}
+    /// `ignores vehicles`
+    IgnoresVehicles = ignores_vehicles {}
     /// `reference 0.06 m behind centre`
     ReferencePoint = reference_point { value: Expression, is_behind: {kw_behind} }
 }
@@ -219,6 +222,13 @@ pub static VEHICLE: BlockEntry = BlockEntry {
         .key("follows", YamlShape::Words),
         OBEYS,
         IGNORES,
+        statement(
+            "ignores vehicles",
+            Rule::ignores_vehicles,
+            "ignores vehicles",
+            "Says that its controller is meant to look at no vehicles that it is blind to, so that `check` does not warn of it; changes no run.",
+        )
+        .key("ignores_vehicles", YamlShape::Flag),
     ],
 };
 

@@ -45,6 +45,11 @@ impl LaneConstants {
         }
     }
 
+    /// From the bumper to what it stops for, m.
+    pub fn margin(&self) -> f64 {
+        self.margin
+    }
+
     /// Whether a pedestrian is in the way now.
     pub fn blocks(&self, target: &TrackedTarget, ego: &Ego) -> bool {
         let near_side = target.position.x - target.half_size;

@@ -20,7 +20,7 @@ mod tracker;
 mod traffic_light;
 
 use super::{CommandKind, ControllerContext, ControllerModel};
-use scenario::{Chance, Dimension, SignalConduct};
+use scenario::{Attention, Chance, Dimension, LooksAt, SignalConduct};
 use sim::random::{Agent, Purpose, stream};
 use sim::{Controller, ModelError, Stated, StatedBy};
 
@@ -31,6 +31,7 @@ pub fn autoware() -> ControllerModel {
         .driving("delay_lag")
         .chance(Chance::If(|settings| settings.number("miss_probability") > 0.0))
         .signals(SignalConduct::Obeys)
+        .attention(Attention::Reacts(|_| LooksAt::OWN_LANE))
 }
 
 fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError> {

@@ -11,6 +11,7 @@ use super::site::{Ego, Site};
 use super::stop_position::{CrosswalkStop, StopConstants};
 use super::tracker::Tracker;
 use super::traffic_light::TrafficLight;
+use crate::vehicle::hazard::lead;
 use numbers::random::Stream;
 use scenario::Settings;
 use sim::{Command, Controller, ControllerError, Mode, Observation, Schedule};
@@ -55,6 +56,8 @@ struct Constants {
     decision: DecisionConstants,
     stop: StopConstants,
     lane: LaneConstants,
+    /// With which the vehicle ahead is taken to brake, m/s².
+    lead_deceleration: f64,
     /// Factors on the normal limits.
     crosswalk_cap: f64,
     lane_cap: f64,
@@ -115,6 +118,7 @@ impl Stack {
             decision: DecisionConstants::new(settings),
             stop: StopConstants::new(settings),
             lane: LaneConstants::new(settings),
+            lead_deceleration: settings.number("limit_deceleration"),
             crosswalk_cap: hardest,
             lane_cap: if suppress_sudden_stop {
                 profile.cap(settings.number("limit_deceleration"))
@@ -167,6 +171,7 @@ impl Stack {
         let crosswalk = self.crosswalk_stop(time, ego, &site, people_have_red);
         let light = self.traffic_light.as_mut().and_then(|module| module.stop(observation, ego, &site));
         let lane = self.lane_stop(time, ego, crosswalk);
+        let lane = lane.into_iter().chain(self.stop_behind(observation, ego)).reduce(f64::min);
         let around = (0..self.tracker.len()).filter_map(|index| self.tracker.unconfirmed(index));
         let emergency = self.emergency_brake.update(time, ego, around);
         let before = crosswalk.into_iter().chain(light).reduce(f64::min);
@@ -232,6 +237,17 @@ impl Stack {
                 mind.obstacle.stop(&tracker.target(index)?, time, ego, crosswalk, lane)
             })
             .reduce(f64::min)
+    }
+
+    /// The stop behind the vehicle ahead (s in m), where that would come to stand if it braked now.
+    fn stop_behind(&self, observation: &Observation, ego: &Ego) -> Option<f64> {
+        let constants = &self.constants;
+        let leads = observation.vehicles.iter().filter_map(|seen| lead(&observation.ego, seen));
+        let way = leads.map(|ahead| {
+            let speed = ahead.speed.max(0.0);
+            ahead.gap + speed * speed / (2.0 * constants.lead_deceleration)
+        });
+        way.reduce(f64::min).map(|way| ego.front + way - constants.lane.margin())
     }
 
     fn nearest(&self, ego: &Ego, crosswalk: Option<f64>, lane: Option<f64>) -> Option<StopPoint> {

@@ -8,12 +8,13 @@ mod light;
 mod obstacle;
 mod speed_controller;
 
+use super::hazard::TIE;
 use super::red_light;
 use super::{CommandKind, ControllerContext, ControllerModel};
 use declaration::KMH;
 use light::LightTest;
 use obstacle::ObstacleTest;
-use scenario::{Chance, Settings, SignalConduct};
+use scenario::{Attention, Chance, LooksAt, Settings, SignalConduct};
 use sim::{Command, Controller, ControllerError, Mode, ModelError, Observation, Schedule};
 use speed_controller::SpeedController;
 
@@ -23,6 +24,7 @@ pub fn carla_behavior() -> ControllerModel {
         .driving("generic")
         .chance(Chance::Never)
         .signals(SignalConduct::Obeys)
+        .attention(Attention::Reacts(|_| LooksAt::OWN_LANE))
 }
 
 struct CarlaBehavior {
@@ -134,7 +136,7 @@ impl Controller for CarlaBehavior {
         let mut wanted = self.wanted_speed(observation);
         let walker = self.obstacle.walker(observation);
         let vehicle = self.obstacle.vehicle(observation);
-        let too_near = |distance: f64| distance < self.braking_distance;
+        let too_near = |distance: f64| distance < self.braking_distance - TIE;
         if walker.is_some_and(too_near) || vehicle.is_some_and(|lead| too_near(lead.distance)) {
             // The speed controller is not asked, so its memory stays as it is.
             self.mode = "emergency_stop";

@@ -1,5 +1,6 @@
 //! What is wrong with what a suite claims, found before anything runs.
 
+mod attention;
 mod budget;
 mod drawn;
 mod lanes;
@@ -12,7 +13,7 @@ use lang::{Diagnostic, Sources};
 use scenario::Suite;
 
 /// Everything that is wrong with what a suite claims, before anything runs: criteria that can never pass, cannot fail, apply to
-/// nothing or ask too few runs, and lanes that are blocked. What cannot be planned is left to planning.
+/// nothing or ask too few runs, lanes that are blocked, and controllers that are blind to what is in their way. What cannot be planned is left to planning.
 pub fn examine_claims(suite: &Suite, sources: &Sources) -> Vec<Diagnostic> {
     let mut found = budget::examine_criteria(suite, sources);
     found.extend(trivial::examine_bounds(suite, sources));
@@ -20,5 +21,6 @@ pub fn examine_claims(suite: &Suite, sources: &Sources) -> Vec<Diagnostic> {
     found.extend(drawn::examine_drawn(suite, sources));
     found.extend(lanes::examine_lanes(suite, sources));
     found.extend(signals::examine_signals(suite, sources));
+    found.extend(attention::examine_attention(suite, sources));
     found
 }
