@@ -281,6 +281,16 @@ impl SuiteReport {
         of_trials + self.blocks.iter().map(of_block).sum::<usize>()
     }
 
+    /// How many evaluations its searches and tunes made.
+    pub fn evaluations(&self) -> usize {
+        self.blocks.iter().filter_map(BlockReport::result).map(BlockResult::evaluations).sum()
+    }
+
+    /// How many blocks have a criterion that passed without being put to the test.
+    pub fn untested_blocks(&self) -> usize {
+        self.blocks.iter().filter_map(BlockReport::result).filter(|result| result.is_untested()).count()
+    }
+
     /// The trials that are held, each with its place among all trials of the suite.
     pub fn placed_trials(&self) -> impl Iterator<Item = (usize, &TrialReport)> {
         let place = |index: usize| self.summary.as_ref().map_or(index, |summary| summary.held[index]);

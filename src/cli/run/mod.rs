@@ -286,14 +286,21 @@ pub fn judged(results: &Results, deny: &[Deny]) -> Exit {
 
 /// Takes what passed untested for what could not be decided.
 fn deny_untested(exit: Exit, reports: &[SuiteReport]) -> Exit {
-    let trials = match reports.iter().map(|report| report.summary().untested()).sum() {
-        0 => return exit,
-        1 => "1 trial".to_string(),
-        number => format!("{number} trials"),
+    let trials: usize = reports.iter().map(|report| report.summary().untested()).sum();
+    let blocks: usize = reports.iter().map(SuiteReport::untested_blocks).sum();
+    let counted = |number: usize, noun: &str| match number {
+        0 => None,
+        1 => Some(format!("1 {noun}")),
+        number => Some(format!("{number} {noun}s")),
     };
+    let units: Vec<_> = [counted(trials, "trial"), counted(blocks, "block")].into_iter().flatten().collect();
+    if units.is_empty() {
+        return exit;
+    }
     writeln!(
         stderr(),
-        "error: in {trials} criteria passed untested, which `--deny untested` does not count as passed"
+        "error: in {} criteria passed untested, which `--deny untested` does not count as passed",
+        units.join(" and ")
     );
     if exit == Exit::Success { Exit::Inconclusive } else { exit }
 }

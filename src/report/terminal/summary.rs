@@ -80,6 +80,9 @@ impl Lines {
         if blocks > 0 {
             parts.push(count(blocks, "block"));
         }
+        if report.evaluations() > 0 {
+            parts.push(count(report.evaluations(), "evaluation"));
+        }
         let suite = terminal_line(&identity.suite);
         let seed = identity.seed_words();
         self.say(&format!("{suite}: {}, {}\n", parts.join(", "), terminal_line(&seed)));
@@ -179,6 +182,8 @@ struct Standings {
     passed: usize,
     /// Trials to which no criterion applied.
     not_judged: usize,
+    /// Searches that expect nothing of what they found.
+    found: usize,
     failed: usize,
     inconclusive: usize,
     errored: usize,
@@ -187,7 +192,7 @@ struct Standings {
     interrupted: usize,
     not_run: usize,
     not_selected: usize,
-    /// Trials with criteria that passed without being put to the test.
+    /// Units with criteria that passed without being put to the test.
     untested: usize,
     /// Runs that the horizon ended.
     cut_off: usize,
@@ -195,6 +200,8 @@ struct Standings {
     trials: usize,
     runs: usize,
     blocks: usize,
+    /// Of searches and tunes.
+    evaluations: usize,
 }
 
 impl Standings {
@@ -208,7 +215,8 @@ impl Standings {
             let summary = report.summary();
             tally.trials += summary.ran();
             tally.runs += summary.runs();
-            tally.untested += summary.untested();
+            tally.untested += summary.untested() + report.untested_blocks();
+            tally.evaluations += report.evaluations();
             tally.cut_off += summary.scenarios.iter().map(|scenario| scenario.cut_off).sum::<usize>();
             for StandingCount { standing, skip, trials } in summary.standings() {
                 tally.add(*standing, skip.as_ref(), *trials);
@@ -224,6 +232,7 @@ impl Standings {
     fn add(&mut self, standing: Standing, skip: Option<&Skip>, units: usize) {
         *match standing {
             Standing::NotJudged => &mut self.not_judged,
+            Standing::Found => &mut self.found,
             Standing::Judged(Verdict::Passed) => &mut self.passed,
             Standing::Judged(Verdict::Failed) => &mut self.failed,
             Standing::Judged(Verdict::Inconclusive) => &mut self.inconclusive,
@@ -243,6 +252,9 @@ impl Standings {
         if self.blocks > 0 {
             what.push(count(self.blocks, "block"));
         }
+        if self.evaluations > 0 {
+            what.push(count(self.evaluations, "evaluation"));
+        }
         if self.recorded > 0 {
             what.push(count(self.recorded, "recorded failure"));
         }
@@ -253,6 +265,7 @@ impl Standings {
             (self.errored, "could not be run"),
             (self.timed_out + self.interrupted, "not finished"),
             (self.not_judged, "not judged"),
+            (self.found, "found, not judged"),
             (self.not_run, "not run"),
         ];
         let numbers = numbers.iter().filter(|(number, _)| *number > 0);

@@ -168,6 +168,7 @@ fn suite() -> Suite {
         budget: budget(9),
         runs: 1,
         keep: vec![keep("pet", Relation::Less, 100.0)],
+        expect: Vec::new(),
         origin: Origin::default(),
     };
     let tune = Tune {
@@ -187,6 +188,7 @@ fn suite() -> Suite {
         fresh: 0,
         early_stop: true,
         otherwise_fewest_violations: false,
+        tries: Vec::new(),
         compare_with_default: true,
         origin: Origin::default(),
     };
