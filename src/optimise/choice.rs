@@ -19,7 +19,7 @@ pub struct WorseBy {
     pub seen: f64,
     /// On runs that no candidate was chosen on.
     pub fresh: f64,
-    /// Half the width of the confidence interval of each.
+    /// By how much chance alone may well make it worse or better on the runs that were seen.
     pub error: f64,
 }
 
@@ -39,9 +39,9 @@ impl WorseBy {
         self.seen > self.error
     }
 
-    /// Better on runs that it was not chosen on, beyond its uncertainty, and no worse on the others.
+    /// Better on the runs that were seen, beyond its uncertainty, and on those that it was not chosen on, too.
     pub fn is_better(&self) -> bool {
-        self.fresh < -self.error && self.seen < 0.0
+        self.seen < -self.error && self.fresh < 0.0
     }
 }
 
@@ -106,12 +106,13 @@ mod tests {
 
     #[test]
     fn what_is_declared_stays_unless_something_is_better() {
-        let flat = [(0.5, 0.5), (0.45, 0.52)];
+        let flat = [(0.5, 0.5), (0.45, 0.45)];
         assert_eq!(chosen(&flat, 1, &[1, 0], Some(0), 0.1), 0);
         // Luck on the runs that it was chosen on is no improvement.
         assert_eq!(chosen(&[(0.5, 0.5), (0.1, 0.5)], 1, &[1, 0], Some(0), 0.1), 0);
         assert_eq!(chosen(&[(0.5, 0.5), (0.1, 0.1)], 1, &[1, 0], Some(0), 0.1), 1);
-        // Nor is one that only other runs show.
+        // Nor is one within the noise, or that only other runs show.
+        assert_eq!(chosen(&[(0.5, 0.5), (0.4, 0.1)], 1, &[1, 0], Some(0), 0.2), 0);
         assert_eq!(chosen(&[(0.5, 0.5), (0.6, 0.1)], 1, &[0, 1], Some(0), 0.2), 0);
         assert_eq!(chosen(&flat, 0, &[1, 0], Some(0), 0.1), 0);
         // Neither has a value with other seeds: nothing speaks for the change.

@@ -37,6 +37,8 @@ mod maximise;
 mod models;
 mod optimiser;
 mod pareto;
+#[cfg(test)]
+mod plateau_tests;
 mod random;
 mod reference;
 mod space;

@@ -83,7 +83,7 @@ pub struct Optimiser {
     trials: Vec<EvaluatedPoint>,
     pending: Vec<Pending>,
     next_id: u64,
-    /// Points of the caller's own choice before the first proposal: designs begin after them.
+    /// Points of the caller's own choice before the first proposal: design and budget begin after them.
     given: u64,
     remembered: Remembered,
     hedge: Hedge,
@@ -168,8 +168,8 @@ impl Optimiser {
         Ok(())
     }
 
-    /// Takes in the evaluation of a point of the caller's own choice. It counts towards the budget, but for that of a grid, which
-    /// is complete whatever comes before it. Designs are whole after points that come before the first proposal.
+    /// Takes in the evaluation of a point of the caller's own choice. It counts towards the budget, unless it comes before the first
+    /// proposal.
     ///
     /// # Errors
     /// [`Error::Value`] for a point outside the space; [`Error::Evaluation`] when it does not fit the definition.
@@ -196,13 +196,12 @@ impl Optimiser {
     /// The stop rule that keeps `ask` from proposing more.
     fn stops(&self) -> Option<OptimisationEnd> {
         if self.next_id as usize >= self.last_id() {
-            let evaluations = self.next_id as usize;
             let proposed = (self.next_id - self.given) as usize;
             return Some(match self.definition.method {
                 Method::Grid if proposed < self.definition.budget => {
                     OptimisationEnd::GridComplete { points: proposed }
                 }
-                _ => OptimisationEnd::Budget { evaluations },
+                _ => OptimisationEnd::Budget { evaluations: proposed },
             });
         }
         let stop = self.definition.improvement_stop?;
@@ -212,10 +211,11 @@ impl Optimiser {
 
     /// The number of the first proposal there will never be.
     fn last_id(&self) -> usize {
-        match self.definition.method {
-            Method::Grid => grid_size(&self.definition).min(self.definition.budget) + self.given as usize,
+        let proposals = match self.definition.method {
+            Method::Grid => grid_size(&self.definition).min(self.definition.budget),
             _ => self.definition.budget,
-        }
+        };
+        proposals + self.given as usize
     }
 
     fn next_point(&mut self, id: u64) -> (Vec<f64>, ProposalOrigin) {
@@ -253,10 +253,7 @@ impl Optimiser {
                 return Some(design::grid_point(space, &levels, id));
             }
             (Method::Random, _) => design::random(space, id + 1, *seed),
-            (Method::LatinHypercube, _) => {
-                let points = budget.saturating_sub(self.given as usize).max(1);
-                design::latin_hypercube(space, points, *seed)
-            }
+            (Method::LatinHypercube, _) => design::latin_hypercube(space, *budget, *seed),
             (Method::Sobol, _) => design::sobol(space, id + 1, *seed),
             (_, InitialDesign::Random) => design::random(space, *initial, *seed),
             (_, InitialDesign::Stratified) if space.dimensions().len() == 1 => {

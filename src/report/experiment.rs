@@ -89,13 +89,8 @@ pub fn against_declared(result: &TuneResult) -> String {
         (Some(declared), _) if declared.has_no_value() => "what is declared has no value".to_string(),
         (Some(declared), _) if !declared.feasible => "what is declared breaks a constraint".to_string(),
         (_, Some(change)) => {
-            let way = if change.value < 0.0 { "less" } else { "more" };
-            let interval = change.interval.map(|within| {
-                let (low, high) = (within.low.abs(), within.high.abs());
-                format!(" ({} .. {})", digits_in(unit, low.min(high)), digits_in(unit, low.max(high)))
-            });
-            let interval = interval.unwrap_or_default();
-            format!("{} {way} than what is declared, with fresh seeds{interval}", shown(change.value.abs()))
+            let way = if *change < 0.0 { "less" } else { "more" };
+            format!("with fresh seeds {} {way} than what is declared", shown(change.abs()))
         }
         _ => "better than what is declared".to_string(),
     }

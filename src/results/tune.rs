@@ -5,7 +5,6 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::cases::MetricSummary;
-use super::evaluate::Difference;
 use optimise::{self, OptimisationEnd, SlicePoint};
 use scenario::ShownIn;
 
@@ -35,7 +34,7 @@ pub struct TuneResult {
     /// By how much the first objective of the chosen candidate differs from that of the declared values, on runs with fresh seeds;
     /// `None` where the declared values are chosen, or break a constraint.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub change: Option<Difference>,
+    pub change: Option<f64>,
     /// Where the chosen candidate is not feasible: in how many runs of the set it violates a constraint.
     pub violations: Option<Violations>,
     /// With two objectives: the candidates that no other beats in both.

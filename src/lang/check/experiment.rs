@@ -148,7 +148,6 @@ pub fn tune(
     let over = over.filter(|_| only_parameters(block, report));
     let budget = budget(&layers, block.budget(), name, &what, report);
     let tries = over.as_deref().map(|over| tried(block, over, &subject, scope, report));
-    let budget = budget.filter(|budget| holds_first(block, budget, report));
     let fresh = fresh_seeds(block.fresh_seeds(), report);
     let fallback = fewest_violations(block, report);
     let constraints: Vec<Comparison> = constraints.into_iter().collect::<Option<_>>()?;
@@ -173,25 +172,6 @@ pub fn tune(
         compare_with_default: block.compare().is_some(),
         origin: places.origin(name.span()),
     })
-}
-
-/// What is declared and what is tried is part of all evaluations.
-fn holds_first(block: ast::TuneBlock, budget: &Budget, report: &mut Vec<Diagnostic>) -> bool {
-    let Some(last) = block.tries().last() else { return true };
-    let first = 1 + block.tries().count();
-    let fits = first <= budget.evaluations as usize;
-    if !fits {
-        report.push(
-            Diagnostic::new(
-                Code::BadBudget,
-                last.span(),
-                format!("{first} candidates come first, but there are only {} in all", budget.evaluations),
-            )
-            .label("more than all")
-            .hint("what is declared comes first, then what is tried: both are part of all evaluations"),
-        );
-    }
-    fits
 }
 
 /// Whether the block says what to take where nothing is feasible.

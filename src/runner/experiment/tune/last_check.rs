@@ -1,32 +1,33 @@
 //! The last check of a tune: its answer, the best that was seen and what is declared, all evaluated again on the same runs.
 //!
-//! Every candidate meets the cases twice: with the seeds on which it was chosen, and with fresh ones. How far the two differ, case by
-//! case, says how much of a difference between candidates is chance: nothing where nothing is.
+//! Every candidate meets the cases twice: with the seeds on which it was chosen, and with fresh ones. How far runs of one and the same case
+//! differ says how much of a difference between candidates is chance: nothing where nothing is drawn.
+
+use std::collections::HashMap;
 
 use super::candidates::Evaluated;
 use super::under_way::TuneUnderWay;
 use crate::experiment::error::ExperimentError;
 use numbers::distributions::student_quantile;
-use numbers::inference::Interval;
 use numbers::random::{Stream, derive_seed};
 use numbers::summary::std;
 use optimise::{Fitted, Reevaluated, WorseBy, choose};
-use results::{Difference, Outcome, Violations};
+use results::{Outcome, Violations};
 use scenario::Goal;
 
 /// How many of the best observed candidates the answer is compared with.
 const MOST_COMPARED: usize = 2;
-/// Confidence of the comparisons.
+/// Confidence that one candidate is worse than another.
 const CONFIDENCE: f64 = 0.95;
-/// Mixtures of both kinds of runs that tell the error of a difference.
-const MIXTURES: usize = 200;
+/// How often runs are drawn again to tell the error of a difference.
+const RESAMPLES: usize = 200;
 
 /// What the check comes to.
 pub struct Choice {
     /// The index of the candidate.
     pub index: usize,
     /// By how much its first objective differs from that of the declared values, on fresh seeds.
-    pub change: Option<Difference>,
+    pub change: Option<f64>,
     /// In how many of the runs with fresh seeds it violates a constraint.
     pub fresh: Violations,
 }
@@ -36,6 +37,13 @@ struct Finalist {
     index: usize,
     seen: Vec<Outcome>,
     fresh: Vec<Outcome>,
+}
+
+/// A run by its place among those of a candidate.
+#[derive(Debug, Clone, Copy)]
+struct DrawnRun {
+    run: usize,
+    fresh: bool,
 }
 
 impl TuneUnderWay<'_> {
@@ -68,19 +76,21 @@ impl TuneUnderWay<'_> {
         };
         let worse_by = |one, other| Ok::<_, ExperimentError>(self.worse_by(of(one), of(other)));
         let index = choose(predicted, &best, declared, worse_by)?;
-        let change = declared.filter(|declared| *declared != index).and_then(|declared| {
-            let WorseBy { fresh, error, .. } = self.worse_by(of(index), of(declared));
-            let (value, error) = (sign * fresh, error);
-            let interval = Some(Interval { low: value - error, high: value + error });
-            let pairs = of(index).fresh.len();
-            value.is_finite().then_some(Difference { value, interval, pairs })
-        });
+        let change = declared
+            .filter(|declared| *declared != index)
+            .and_then(|declared| self.change_on_fresh(of(declared), of(index)));
         Ok(Some(Choice { index, change, fresh: self.violations(&of(index).fresh) }))
     }
 
     /// In how many runs with fresh seeds a candidate violates a constraint.
     pub fn fresh_violations(&self, candidate: &Evaluated) -> Result<Violations, ExperimentError> {
         Ok(self.violations(&self.evaluating.run_all(1, &self.runs_with(&candidate.settings, true)?)?))
+    }
+
+    /// By how much the first objective changes on runs that no candidate was chosen on.
+    fn change_on_fresh(&self, declared: &Finalist, chosen: &Finalist) -> Option<f64> {
+        let change = self.to_minimise(&chosen.fresh) - self.to_minimise(&declared.fresh);
+        change.is_finite().then_some(self.sign() * change)
     }
 
     /// Each candidate once, on the seeds that it was chosen on and on fresh ones.
@@ -119,29 +129,54 @@ impl TuneUnderWay<'_> {
         WorseBy::of(of(one), of(other), self.error_of_difference(one, other))
     }
 
-    /// Half the width of the confidence interval of the difference between two candidates, over runs of one kind of seeds.
+    /// By how much chance alone may well make the one worse than the other on the seeds that were seen.
     ///
-    /// Mixtures take each run with one or the other seed, the same for both candidates. They vary by half of what one kind of seeds does:
-    /// of a mean exactly, and nothing is asked of other objectives.
+    /// The cases are what they are, and what each draws could be otherwise. So runs are drawn again among those of the same case, the same
+    /// for both candidates: where a case has a single run, among that and the one with a fresh seed. A draw from `n` runs varies by
+    /// (n − 1)/n of what a new run does.
     fn error_of_difference(&self, one: &Finalist, other: &Finalist) -> f64 {
-        let runs = one.seen.len();
+        let pools = self.pools();
         let name = format!("{}/{} last check", self.context.suite.name, self.tune.name);
         let mut stream = Stream::seeded(derive_seed(self.context.suite.seed, &name));
-        let mut differences = Vec::with_capacity(MIXTURES);
-        for _ in 0..MIXTURES {
-            let is_fresh: Vec<bool> = (0..runs).map(|_| stream.uniform() < 0.5).collect();
-            let mixed = |of: &Finalist| -> f64 {
-                let both = of.seen.iter().zip(&of.fresh).zip(&is_fresh);
-                let runs: Vec<Outcome> = both
-                    .map(|((seen, fresh), is_fresh)| if *is_fresh { fresh } else { seen }.clone())
-                    .collect();
-                self.to_minimise(&runs)
+        let mut differences = Vec::with_capacity(RESAMPLES);
+        for _ in 0..RESAMPLES {
+            let drawn: Vec<DrawnRun> = pools.iter().map(|pool| pool[stream.index(pool.len())]).collect();
+            let again = |of: &Finalist| -> f64 {
+                let run = |drawn: &DrawnRun| {
+                    if drawn.fresh { &of.fresh[drawn.run] } else { &of.seen[drawn.run] }.clone()
+                };
+                self.to_minimise(&drawn.iter().map(run).collect::<Vec<_>>())
             };
-            let difference = mixed(one) - mixed(other);
+            let difference = again(one) - again(other);
             differences.extend(difference.is_finite().then_some(difference));
         }
-        let deviation = std(&differences).unwrap_or(0.0) * std::f64::consts::SQRT_2;
-        student_quantile(0.5 + 0.5 * CONFIDENCE, runs as f64) * deviation
+        let smallest = pools.iter().map(Vec::len).min().unwrap_or(2).max(2) as f64;
+        let deviation = std(&differences).unwrap_or(0.0) * (smallest / (smallest - 1.0)).sqrt();
+        let freedom = |pool: &Vec<DrawnRun>| match pool[..] {
+            [one, other] if one.run == other.run => 1.0,
+            _ => 1.0 - 1.0 / pool.len() as f64,
+        };
+        student_quantile(CONFIDENCE, pools.iter().map(freedom).sum()) * deviation
+    }
+
+    /// For each run those that could stand in its place.
+    fn pools(&self) -> Vec<Vec<DrawnRun>> {
+        let of_each = self.tune.fresh.max(1) as usize;
+        let mut alike: HashMap<String, Vec<usize>> = HashMap::new();
+        let mut names = Vec::with_capacity(self.cases.len() * of_each);
+        for (index, case) in self.cases.iter().enumerate() {
+            let same = (&case.scenario, &case.variation, &case.settings, &case.individuals);
+            let name = serde_json::to_string(&same).expect("plain data serialises");
+            for run in index * of_each..(index + 1) * of_each {
+                alike.entry(name.clone()).or_default().push(run);
+                names.push(name.clone());
+            }
+        }
+        let pool = |(run, name): (usize, &String)| match &alike[name][..] {
+            [_] => [false, true].map(|fresh| DrawnRun { run, fresh }).to_vec(),
+            several => several.iter().map(|run| DrawnRun { run: *run, fresh: false }).collect(),
+        };
+        names.iter().enumerate().map(pool).collect()
     }
 
     /// The first objective over runs as a number to minimise; infinite without a value.

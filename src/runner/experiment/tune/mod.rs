@@ -44,12 +44,8 @@ impl TuneUnderWay<'_> {
         let goals = tune.objectives.iter().map(|objective| objective.direction).collect();
         let space = overrides::space(&tune.over)?;
         let first = self.evaluate_first()?;
-        // What is declared or tried outside of the ranges counts, too, though the optimiser does not learn from it.
-        let outside = first.iter().filter(|one| one.within(&space).is_none()).count() as u32;
-        let mut budget = tune.budget.clone();
-        budget.evaluations = budget.evaluations.saturating_sub(outside).max(1);
         let seed = derive_seed(suite.seed, &name);
-        let definition = definition(space, &budget, goals, tune.constraints.len(), seed);
+        let definition = definition(space, &tune.budget, goals, tune.constraints.len(), seed);
         let batch = tune.budget.batch as usize;
         let inputs = (suite.seed, &suite.scenarios, &suite.supporting, self.decisive(), &self.cases);
         let mut optimisation = Optimisation::begin(self.context, &name, &inputs, definition, batch)?;

@@ -77,7 +77,8 @@ impl TuneUnderWay<'_> {
     pub fn note(&self, evaluation: &Evaluation) {
         let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
         let best = evaluation.objectives[0].value.filter(|_| evaluation.keeps_constraints());
-        self.progress.evaluated(done, self.tune.budget.evaluations as usize, best);
+        let all = 1 + self.tune.tries.len() + self.tune.budget.evaluations as usize;
+        self.progress.evaluated(done, all, best);
     }
 
     fn violated(&self, outcomes: &[Outcome]) -> bool {
