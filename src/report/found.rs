@@ -70,7 +70,7 @@ fn judged(result: &SearchResult) -> String {
 }
 
 /// A criterion with what became of it in the run: `pet >= 1.5 s failed (pet 0 s)`.
-fn said(finding: &Finding) -> String {
+pub(super) fn said(finding: &Finding) -> String {
     let run = finding.worst.first().or(finding.closest.as_ref());
     let value = run.map(|run| format!(" ({})", run_value(finding, run))).unwrap_or_default();
     let untested = if finding.vacuous.is_some() { ", untested" } else { "" };

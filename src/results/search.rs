@@ -96,11 +96,9 @@ impl JudgedSearch {
     /// Why it did not pass; `None` if it did.
     fn failure(&self) -> Option<String> {
         let verdict = self.verdict();
-        let what = match verdict {
-            Verdict::Passed => return None,
-            Verdict::Inconclusive => "cannot be decided in",
-            Verdict::Failed => "does not hold in",
-        };
+        if verdict == Verdict::Passed {
+            return None;
+        }
         let Some(first) = self.runs.iter().find(|run| run.verdict() == verdict) else {
             return Some("nothing that was found is usual enough to be judged".to_string());
         };
@@ -111,6 +109,11 @@ impl JudgedSearch {
                 criteria.push(named);
             }
         }
+        let what = match (verdict, criteria.len()) {
+            (Verdict::Inconclusive, _) => "cannot be decided in",
+            (_, 1) => "does not hold in",
+            _ => "do not hold in",
+        };
         let (criteria, of) = (criteria.join(", "), self.of_which(self.count(verdict)));
         Some(format!("{criteria} {what} {of}: {}", first.key))
     }

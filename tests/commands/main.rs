@@ -6,6 +6,7 @@ mod contacts;
 mod diff;
 mod drawn;
 mod estimates;
+mod expecting_searches;
 #[cfg(unix)]
 mod files;
 mod gates;
@@ -35,6 +36,7 @@ mod streets;
 mod summary;
 #[path = "../support/mod.rs"]
 mod support;
+mod tunes;
 mod units;
 mod verdicts;
 mod watch;
