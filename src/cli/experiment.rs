@@ -207,17 +207,14 @@ fn run(arguments: &ExperimentArguments, kind: &'static str, registry: &Registry)
     if !complaints.is_empty() {
         return Exit::Output;
     }
-    if let (BlockResult::Estimate(_), Some(why)) = (result, result.failure()) {
-        writeln!(
-            stderr(),
-            "{}: {why}",
-            if result.verdict() == Verdict::Failed { "failed" } else { "inconclusive" }
-        );
+    if let Some(why) = result.failure() {
+        let failed = result.verdict() == Some(Verdict::Failed);
+        writeln!(stderr(), "{}: {why}", if failed { "failed" } else { "inconclusive" });
     }
     match result.verdict() {
-        Verdict::Passed => Exit::Success,
-        Verdict::Inconclusive => Exit::Inconclusive,
-        Verdict::Failed => Exit::Failed,
+        None | Some(Verdict::Passed) => Exit::Success,
+        Some(Verdict::Inconclusive) => Exit::Inconclusive,
+        Some(Verdict::Failed) => Exit::Failed,
     }
 }
 

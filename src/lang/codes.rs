@@ -403,6 +403,12 @@ codes! {
         "A `calibrate` block weighs candidates: there are more of them than targets, of a model that takes individuals, and every scenario \
          has one pedestrian who they can be. Every condition is a value that a variation lists. `match mean of` and `match deviation of` take a \
          quantity among the parameters of that pedestrian's model, such as `walker.model.ped_free_speed`.";
+    BadExpectation = "E0819", "a search expects what no single run can fulfil",
+        "`expect { pet >= 1.5 s }` of a search judges each run that it keeps by itself, since a run was found because it is bad: a share, a mean or a \
+         confidence over such runs says nothing of any others. How often it happens with other seeds stands beside it.";
+    BadTry = "E0820", "a tune cannot try this",
+        "`try { braking_distance: 8 m }` sets parameters that the tune is `over`, to values in their ranges. What it leaves out is as declared. \
+         Where parameters of several road users have one name, write the whole: `av.controller.braking_distance`.";
     BadEstimate = "E0830", "a probability cannot be estimated",
         "An `estimate` block is of a scenario that draws what differs from run to run, as one trial: without `vary`, and with people who are \
          `drawn from` a population or one of it. Its score is a quantity that gets worse towards the event, such as `score pet`. \

@@ -79,6 +79,10 @@ pub fn complete(
     }) {
         return setting(&declaration, &statement);
     }
+    if let ([.., tune, _], ["try"]) = (open.as_slice(), owner) {
+        let tune = tune.get(1).copied().unwrap_or_default();
+        return tried(path, &without_line(text, before.len()), registry, texts, (tune, &statement));
+    }
     let block = block_of(&open);
     match statement.as_slice() {
         [] => first_words(block, registry),
@@ -390,6 +394,29 @@ fn visible(
     found
 }
 
+/// The parameters that a tune is over, or the units of the value of one.
+fn tried(
+    path: &Path,
+    text: &str,
+    registry: &Registry,
+    texts: &dyn files::Files,
+    (tune, statement): (&str, &[&str]),
+) -> Vec<Completion> {
+    match statement.rsplit(|word| *word == ",").next().unwrap_or_default() {
+        [] => {}
+        [.., number] if number.starts_with(|c: char| c.is_ascii_digit()) => return units(),
+        _ => return Vec::new(),
+    }
+    let texts = Overlay::new(texts, path, text);
+    let mut files = Texts::new(registry, &texts).while_edited();
+    let Some(file) = files.open(path, None, &mut Vec::new()) else { return Vec::new() };
+    let names = files.names(file);
+    let block = names.blocks.get(tune).and_then(|block| ast::Tune::cast(files.node(*block)));
+    let ranges = block.into_iter().flat_map(|tune| tune.block().over()).flat_map(ast::Over::ranges);
+    let parameter = |range: ast::OverRange| Some(proposal(range.target().parameter()?.text(), range.text()));
+    ranges.filter_map(parameter).collect()
+}
+
 fn proposal(word: &str, detail: &str) -> Completion {
     Completion { word: word.to_string(), detail: detail.to_string() }
 }
@@ -558,6 +585,10 @@ mod tests {
         assert!(after("search s {\n  over walker.model.").contains(&"speed".to_string()));
         assert!(after("search s {\n  budget 6 evaluations, by ").contains(&"sobol".to_string()));
         assert!(after("tune t {\n  minimise ").contains(&"mean".to_string()));
+        let tune = "tune t {\n  on walk\n  over av.controller.braking_distance in 1 m .. 9 m\n  try { ";
+        assert_eq!(after(tune), ["braking_distance"]);
+        assert!(after(&format!("{tune}braking_distance: 8 ")).contains(&"m".to_string()));
+        assert!(after("search s {\n  expect {\n    no ").contains(&"collision".to_string()));
         assert_eq!(after("statement s {\n  claim mean(pet) of walk rises with "), ["tta"]);
         let inside = |more: &str| words(&format!("{}{more}", text.trim_end().trim_end_matches('}')));
         assert_eq!(inside("  pedestrian other {\n    appears "), ["at", "when"]);

@@ -3,7 +3,7 @@
 use super::syntax::ast::{self, View};
 use super::syntax::{self, Node};
 use super::units::{self, UnitEntry};
-use scenario::{Aggregate, Dimension, MetricKind, MetricReference, Notation, Suite};
+use scenario::{Aggregate, Criterion, Dimension, MetricKind, MetricReference, Notation, Suite};
 
 /// Every metric that is compared in another unit than the SI unit, once, with the first such unit: that of a criterion, then of a
 /// gate's rule, then of a rating, then of a block.
@@ -15,10 +15,7 @@ pub fn of(suite: &Suite) -> Vec<(MetricReference, Notation)> {
         }
     };
     for criterion in suite.scenarios.iter().chain(&suite.supporting).flat_map(|scenario| &scenario.criteria) {
-        let about = criterion.claim.metric();
-        if let Some(MetricKind::Quantity(dimension)) = about.known().map(|metric| &metric.kind) {
-            take(about, &|| unit_in(&criterion.text, *dimension));
-        }
+        take(criterion.claim.metric(), &|| of_criterion(criterion));
     }
     for rule in suite.gates.iter().flat_map(|gate| &gate.rules) {
         if let Some(about) = &rule.metric {
@@ -32,6 +29,9 @@ pub fn of(suite: &Suite) -> Vec<(MetricReference, Notation)> {
     let of_values = |aggregate: &Aggregate| !matches!(aggregate, Aggregate::Rate(_) | Aggregate::Count(_));
     for search in &suite.searches {
         search.kept_metrics().for_each(|(keep, written_in)| take(&keep.metric, &|| written_in));
+        for criterion in &search.expect {
+            take(criterion.claim.metric(), &|| of_criterion(criterion));
+        }
     }
     for tune in &suite.tunes {
         for (index, constraint) in tune.constraints.iter().enumerate() {
@@ -43,6 +43,14 @@ pub fn of(suite: &Suite) -> Vec<(MetricReference, Notation)> {
         take(measure.aggregate.metric(), &|| measure.notation);
     }
     found
+}
+
+/// The unit that a criterion is written with, if it compares a quantity.
+pub fn of_criterion(criterion: &Criterion) -> Option<Notation> {
+    match criterion.claim.metric().known().map(|metric| &metric.kind) {
+        Some(MetricKind::Quantity(dimension)) => unit_in(&criterion.text, *dimension),
+        _ => None,
+    }
 }
 
 /// The unit of that dimension that a criterion is written with: `km/h` in `impact_speed <= 20 km/h`.

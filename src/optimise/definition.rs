@@ -153,6 +153,18 @@ impl Definition {
         Ok(())
     }
 
+    /// What decides which points are evaluated, and what they come to, however many there are: with another budget the same. Designs of
+    /// the whole budget keep theirs.
+    pub fn without_budget(&self) -> Self {
+        let mut definition = self.clone();
+        match self.method {
+            Method::LatinHypercube | Method::Grid => {}
+            Method::Random | Method::Sobol => (definition.budget, definition.initial) = (0, 0),
+            Method::Bayesian | Method::GpMinimizeLike { .. } => definition.budget = 0,
+        }
+        definition
+    }
+
     /// Does the method fit a surrogate?
     pub(super) fn uses_model(&self) -> bool {
         matches!(self.method, Method::Bayesian | Method::GpMinimizeLike { .. })

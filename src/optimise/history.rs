@@ -67,6 +67,22 @@ impl Evaluation {
         }
     }
 
+    /// Is some margin known to be negative?
+    pub fn is_violated(&self) -> bool {
+        self.margins.iter().any(|margin| margin.value.is_some_and(|value| value < 0.0))
+    }
+
+    /// Are all objectives defined and all margins known to be ≥ 0?
+    pub fn is_feasible(&self) -> bool {
+        self.objectives.iter().all(|measurement| measurement.value.is_some()) && self.keeps_constraints()
+    }
+
+    /// Are all margins known to be ≥ 0?
+    pub fn keeps_constraints(&self) -> bool {
+        let keeps = |margin: &Margin| !margin.censored && margin.value.is_some_and(|value| value >= 0.0);
+        self.margins.iter().all(keeps)
+    }
+
     /// Checks it against the definition and turns numbers that are not finite into undefined ones.
     ///
     /// # Errors
@@ -116,17 +132,12 @@ pub struct EvaluatedPoint {
 impl EvaluatedPoint {
     /// Is some margin known to be negative?
     pub fn is_violated(&self) -> bool {
-        self.evaluation.margins.iter().any(|margin| margin.value.is_some_and(|value| value < 0.0))
+        self.evaluation.is_violated()
     }
 
     /// Are all objectives defined and all margins known to be ≥ 0?
     pub fn is_feasible(&self) -> bool {
-        self.evaluation.objectives.iter().all(|measurement| measurement.value.is_some())
-            && self
-                .evaluation
-                .margins
-                .iter()
-                .all(|margin| !margin.censored && margin.value.is_some_and(|value| value >= 0.0))
+        self.evaluation.is_feasible()
     }
 
     /// Is something undefined that no violated constraint explains?

@@ -23,11 +23,12 @@ struct Entry {
     evaluation: Evaluation,
 }
 
-/// What the evaluations belong to.
+/// What the evaluations belong to. A larger budget goes on from where a smaller one ended.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Subject {
     /// Points asked for at once: part of what determines the proposals.
     batch: usize,
+    /// Without its budget.
     definition: Definition,
 }
 
@@ -54,7 +55,7 @@ impl Journal {
     /// [`Error::Journal`] when it cannot be read or written, is in use, damaged, or belongs to something else;
     /// [`Error::JournalContent`] when what it holds makes no sense.
     pub fn open(path: &Path, definition: &Definition, batch: usize) -> Result<Self, Error> {
-        let subject = Subject { batch, definition: definition.clone() };
+        let subject = Subject { batch, definition: definition.without_budget() };
         let (log, records, notice) = match Log::open(path, FORMAT, &subject) {
             Ok((log, found)) => (log, found.records, found.notice),
             Err(error @ LogError::NotALog { .. }) => {
@@ -146,7 +147,8 @@ fn old_records(path: &Path, subject: &Subject, otherwise: LogError) -> Result<Ve
         let Some(line) = line.strip_suffix(b"\n") else { break };
         if header.is_none() {
             let Ok(first) = serde_json::from_slice::<OldHeader>(line) else { return Err(otherwise.into()) };
-            if (first.journal, first.batch, &first.definition) != (1, subject.batch, &subject.definition) {
+            let definition = first.definition.without_budget();
+            if (first.journal, first.batch, &definition) != (1, subject.batch, &subject.definition) {
                 return Err(LogError::OtherSubject {
                     path: path.to_owned(),
                     expected: FORMAT.name,

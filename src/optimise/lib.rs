@@ -25,6 +25,7 @@
 #![deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro)]
 
 mod acquisition;
+mod choice;
 mod definition;
 mod design;
 mod error;
@@ -36,6 +37,8 @@ mod maximise;
 mod models;
 mod optimiser;
 mod pareto;
+#[cfg(test)]
+mod plateau_tests;
 mod random;
 mod reference;
 mod space;
@@ -44,10 +47,12 @@ pub mod surrogate;
 mod tests;
 
 pub use acquisition::Acquisition;
+pub use choice::{Reevaluated, WorseBy, choose};
 pub use definition::{Definition, Goal, ImprovementStop, InitialDesign, Method};
 pub use error::Error;
 pub use findings::{Fitted, Prediction, SlicePoint};
 pub use history::{EvaluatedPoint, Evaluation, Margin, ObjectiveValue};
 pub use journal::{Journal, run};
 pub use optimiser::{OptimisationEnd, Optimiser, Proposal, ProposalOrigin};
+pub use pareto::non_dominated;
 pub use space::{Coordinate, LARGEST_DIMENSION_COUNT, Point, Range, SearchDimension, Space};

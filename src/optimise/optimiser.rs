@@ -83,6 +83,8 @@ pub struct Optimiser {
     trials: Vec<EvaluatedPoint>,
     pending: Vec<Pending>,
     next_id: u64,
+    /// Points of the caller's own choice before the first proposal: design and budget begin after them.
+    given: u64,
     remembered: Remembered,
     hedge: Hedge,
     /// Proposals in a row that promised too little.
@@ -112,6 +114,7 @@ impl Optimiser {
             trials: Vec::new(),
             pending: Vec::new(),
             next_id: 0,
+            given: 0,
             remembered: Remembered::default(),
             hedge: Hedge::default(),
             quiet: 0,
@@ -165,7 +168,8 @@ impl Optimiser {
         Ok(())
     }
 
-    /// Takes in the evaluation of a point of the caller's own choice. It counts towards the budget.
+    /// Takes in the evaluation of a point of the caller's own choice. It counts towards the budget, unless it comes before the first
+    /// proposal.
     ///
     /// # Errors
     /// [`Error::Value`] for a point outside the space; [`Error::Evaluation`] when it does not fit the definition.
@@ -173,6 +177,7 @@ impl Optimiser {
         let unit = self.definition.space.unit(point)?;
         let evaluation = evaluation.checked(&self.definition)?;
         let id = self.next_id;
+        self.given += u64::from(self.given == id);
         self.next_id += 1;
         self.insert(EvaluatedPoint { id, unit, point: point.to_vec(), evaluation });
         Ok(id)
@@ -191,12 +196,12 @@ impl Optimiser {
     /// The stop rule that keeps `ask` from proposing more.
     fn stops(&self) -> Option<OptimisationEnd> {
         if self.next_id as usize >= self.last_id() {
-            let evaluations = self.next_id as usize;
+            let proposed = (self.next_id - self.given) as usize;
             return Some(match self.definition.method {
-                Method::Grid if evaluations < self.definition.budget => {
-                    OptimisationEnd::GridComplete { points: evaluations }
+                Method::Grid if proposed < self.definition.budget => {
+                    OptimisationEnd::GridComplete { points: proposed }
                 }
-                _ => OptimisationEnd::Budget { evaluations },
+                _ => OptimisationEnd::Budget { evaluations: proposed },
             });
         }
         let stop = self.definition.improvement_stop?;
@@ -206,14 +211,15 @@ impl Optimiser {
 
     /// The number of the first proposal there will never be.
     fn last_id(&self) -> usize {
-        match self.definition.method {
+        let proposals = match self.definition.method {
             Method::Grid => grid_size(&self.definition).min(self.definition.budget),
             _ => self.definition.budget,
-        }
+        };
+        proposals + self.given as usize
     }
 
     fn next_point(&mut self, id: u64) -> (Vec<f64>, ProposalOrigin) {
-        if let Some(unit) = self.designed(id as usize) {
+        if let Some(unit) = self.designed((id - self.given) as usize) {
             return (unit, ProposalOrigin::Design);
         }
         let chosen = match self.definition.method {
@@ -237,7 +243,7 @@ impl Optimiser {
         }
     }
 
-    /// Point `id` of the design, while there is one.
+    /// Point `id` of the design, counted from the first proposal, while there is one.
     fn designed(&self, id: usize) -> Option<Vec<f64>> {
         let Definition { space, budget, initial, initial_design, seed, .. } = &self.definition;
         let points = match (self.definition.method, initial_design) {
@@ -297,7 +303,8 @@ impl Optimiser {
         let feasible = self.trials.iter().any(EvaluatedPoint::is_feasible);
         let is_improving =
             |pending: &Pending| pending.origin == ProposalOrigin::Model(Acquisition::ExpectedImprovement);
-        let is_turn = (id as usize).saturating_sub(self.definition.initial).is_multiple_of(2);
+        let proposed = (id - self.given) as usize;
+        let is_turn = proposed.saturating_sub(self.definition.initial).is_multiple_of(2);
         if models.objective.is_none() || (!models.constraints.is_empty() && !feasible) {
             Acquisition::Feasibility
         } else if is_turn && !self.pending.iter().any(is_improving) {

@@ -13,7 +13,7 @@ fn dominates(a: &[f64], b: &[f64]) -> bool {
 }
 
 /// Indices of the vectors that no other dominates, in order. All objectives to be minimised.
-pub(super) fn non_dominated(vectors: &[Vec<f64>]) -> Vec<usize> {
+pub fn non_dominated(vectors: &[Vec<f64>]) -> Vec<usize> {
     (0..vectors.len()).filter(|&i| !vectors.iter().any(|other| dominates(other, &vectors[i]))).collect()
 }
 

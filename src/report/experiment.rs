@@ -10,7 +10,7 @@ use super::found::render_search;
 use super::shown_value::{WITHOUT_VALUE, digits, value};
 use super::statement::render_statement;
 use optimise::Coordinate;
-use results::{BlockResult, Candidate, MetricSummary, TuneResult};
+use results::{BlockResult, Candidate, CandidateOrigin, MetricSummary, TuneResult, Violations};
 use scenario::{ShownIn, Tune};
 
 /// A block's result in a few lines or a table.
@@ -32,30 +32,36 @@ pub fn render_tune(result: &TuneResult) -> String {
     if !result.constraints.is_empty() {
         writeln!(text, "  subject to {}", result.constraints.join(", ")).expect(STRING);
     }
+    let (all, unknown) =
+        (result.evaluations.len(), result.evaluations.iter().filter(|one| one.has_no_value()));
+    let unknown = unknown.count();
+    if unknown == all {
+        writeln!(text, "  no candidate has a value, {WITHOUT_VALUE}: nothing is chosen").expect(STRING);
+        return text;
+    }
     let feasible = result.evaluations.iter().filter(|candidate| candidate.feasible).count();
-    writeln!(text, "  {feasible} of {} candidates are feasible", result.evaluations.len()).expect(STRING);
-    // Of a candidate that breaks a constraint nobody has to know more.
-    let keeps = |margin: &Option<f64>| margin.is_some_and(|margin| margin >= 0.0);
-    let unknown = |one: &&Candidate| one.objectives.contains(&None) && one.margins.iter().all(keeps);
-    let unknown = result.evaluations.iter().filter(unknown).count();
+    writeln!(text, "  {feasible} of {all} candidates are feasible").expect(STRING);
     if unknown > 0 {
         writeln!(text, "  {unknown} that keep every constraint have no value: {WITHOUT_VALUE}")
             .expect(STRING);
     }
-    match &result.chosen {
-        Some(chosen) => {
-            if let Some(violations) = &result.violations {
-                writeln!(text, "  {violations}").expect(STRING);
-            }
-            writeln!(text, "  chosen: {}", candidate(result, chosen)).expect(STRING);
+    if let Some(chosen) = &result.chosen {
+        if let Some(violations) = &result.violations {
+            writeln!(text, "  {violations}").expect(STRING);
         }
-        None if result.pareto.is_empty() => {
-            text.push_str("  no candidate keeps every constraint: nothing is chosen\n")
-        }
-        None => {}
+        writeln!(text, "  chosen: {}", candidate(result, chosen)).expect(STRING);
+        writeln!(text, "  {}", against_declared(result)).expect(STRING);
+    }
+    if let Some(why) = result.nothing_chosen() {
+        writeln!(text, "  {why}").expect(STRING);
     }
     for one in &result.pareto {
         writeln!(text, "  front: {}", candidate(result, one)).expect(STRING);
+    }
+    if let Some(Violations { runs, of }) = result.broken_on_fresh() {
+        let which = if result.chosen.is_some() { "the chosen candidate" } else { "a candidate on the front" };
+        writeln!(text, "  {which} breaks a constraint on the fresh seeds, in {runs} of {of} runs")
+            .expect(STRING);
     }
     if let Some(comparison) = &result.comparison {
         let headings = ["", "before", "after", "before, fresh", "after, fresh"];
@@ -69,11 +75,29 @@ pub fn render_tune(result: &TuneResult) -> String {
         }
         text += &columns(&lines);
         text.push_str("  mean (min .. max) over the cases; fresh: the same cases with other seeds\n");
-        if !comparison.feasible_fresh {
-            text.push_str("  the chosen candidate breaks a constraint on the fresh seeds\n");
-        }
     }
     text
+}
+
+/// How what is chosen stands to the values that the scenarios declare.
+pub fn against_declared(result: &TuneResult) -> String {
+    let declared = result.evaluations.first().filter(|one| one.origin == CandidateOrigin::Declared);
+    let unit = result.objectives_in.first();
+    let shown = |value: f64| unit.map_or_else(|| digits(value), |unit| unit.show(value));
+    match (declared, &result.change) {
+        _ if result.keeps_declared() => "nothing better than what is declared".to_string(),
+        (Some(declared), _) if declared.has_no_value() => "what is declared has no value".to_string(),
+        (Some(declared), _) if !declared.feasible => "what is declared breaks a constraint".to_string(),
+        (_, Some(change)) => {
+            let way = if *change < 0.0 { "less" } else { "more" };
+            format!("with fresh seeds {} {way} than what is declared", shown(change.abs()))
+        }
+        _ => "better than what is declared".to_string(),
+    }
+}
+
+fn digits_in(unit: Option<&ShownIn>, value: f64) -> String {
+    unit.map_or_else(|| digits(value), |unit| unit.number(value))
 }
 
 /// The chosen parameters as definitions for a scenario to `use`, each under its whole name with `_` for `.`: two road users may
@@ -110,11 +134,12 @@ fn candidate(result: &TuneResult, candidate: &Candidate) -> String {
     let margins = all(&candidate.margins, &result.margins_in);
     let margins =
         if margins.is_empty() { String::new() } else { format!(", margins {}", margins.join(", ")) };
-    format!("{} gives {}{margins}", point.join(", "), objectives.join(", "))
+    let point = if point.is_empty() { "what is declared".to_string() } else { point.join(", ") };
+    format!("{point} gives {}{margins}", objectives.join(", "))
 }
 
 fn summary(summary: &MetricSummary, unit: Option<&ShownIn>) -> String {
-    let digits = |value| unit.map_or_else(|| digits(value), |unit| unit.number(value));
+    let digits = |value| digits_in(unit, value);
     let shown = |value| unit.map_or_else(|| digits(value), |unit| unit.show(value));
     let MetricSummary { runs, defined, .. } = summary;
     let of = if defined < runs { format!(" in {defined} of {runs}") } else { String::new() };

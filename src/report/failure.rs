@@ -53,7 +53,7 @@ pub fn render_block_failure(suite: &SuiteIdentity, report: &BlockReport, colour:
         BlockState::NotFinished(cut) => return terminal(&cut.explained()),
         BlockState::Errored(error) => format!("{block} could not be run: {error}"),
         BlockState::Finished(result) => match result.failure() {
-            Some(reason) if result.verdict() == Verdict::Inconclusive => {
+            Some(reason) if result.verdict() == Some(Verdict::Inconclusive) => {
                 format!("{block} is inconclusive: {reason}")
             }
             Some(reason) => format!("{block} failed: {reason}"),

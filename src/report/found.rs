@@ -5,8 +5,9 @@ use std::fmt::Write;
 use super::columns::columns;
 use super::shown_value::{WITHOUT_VALUE, value};
 use super::usual::{render_usual, tail_text, who};
+use super::wording::{run_value, verdict_word};
 use numbers::summary::quantile;
-use results::{Found, SearchResult};
+use results::{Finding, Found, JudgedRun, SearchResult};
 use scenario::{Goal, ShownIn};
 
 /// Up to this many people each have a line.
@@ -41,8 +42,39 @@ pub fn render_search(result: &SearchResult) -> String {
         writeln!(text, "{unknown} of {all} evaluations have no value: {WITHOUT_VALUE}").expect(STRING);
     }
     text += &kept(result);
+    text += &judged(result);
     text += &render_usual(result);
     text
+}
+
+/// Runs against what the search expects, those that did not pass first; with how much of that is left with fresh seeds.
+fn judged(result: &SearchResult) -> String {
+    let Some(judged) = &result.judged else { return String::new() };
+    let mut text = match (judged.runs.is_empty(), judged.of_kept) {
+        (true, _) => "nothing that was found is usual enough to be judged\n".to_string(),
+        (_, true) => "expected of what was kept, run by run:\n".to_string(),
+        (_, false) => "nothing was kept; expected of the best observed, run by run:\n".to_string(),
+    };
+    let mut runs: Vec<&JudgedRun> = judged.runs.iter().collect();
+    runs.sort_by_key(|run| std::cmp::Reverse(run.verdict()));
+    for run in runs.iter().take(MOST_LINES) {
+        let said = run.findings.iter().map(said).collect::<Vec<_>>().join("; ");
+        let (holding, of) = (run.fresh_holding, run.fresh_runs);
+        writeln!(text, "  {said}; holds in {holding} of {of} runs with fresh seeds").expect(STRING);
+        writeln!(text, "    {}", run.key).expect(STRING);
+    }
+    if runs.len() > MOST_LINES {
+        writeln!(text, "  and {} more", runs.len() - MOST_LINES).expect(STRING);
+    }
+    text
+}
+
+/// A criterion with what became of it in the run: `pet >= 1.5 s failed (pet 0 s)`.
+pub(super) fn said(finding: &Finding) -> String {
+    let run = finding.worst.first().or(finding.closest.as_ref());
+    let value = run.map(|run| format!(" ({})", run_value(finding, run))).unwrap_or_default();
+    let untested = if finding.untested.is_some() { ", untested" } else { "" };
+    format!("`{}` {}{value}{untested}", finding.criterion, verdict_word(finding.verdict))
 }
 
 /// How many runs at the worst points are kept, of how many.
@@ -54,7 +86,7 @@ fn kept(result: &SearchResult) -> String {
 }
 
 fn people(result: &SearchResult, found: &[&Found]) -> String {
-    let headings = ["", "where", "observed", "model", "fresh seeds", "first", "runs"];
+    let headings = ["", "where", "observed", "model", "fresh seeds", "first", "evaluations"];
     let mut lines = vec![headings.map(String::from).to_vec()];
     if says_plausibility(result) {
         lines[0].push("plausibility".into());

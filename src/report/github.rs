@@ -121,7 +121,7 @@ pub fn annotations(results: &Results, repository: &Repository) -> String {
             BlockState::Skipped(_) | BlockState::NotFinished(_) => continue,
             BlockState::Errored(error) => ("error", "could not run", error.message.clone()),
             BlockState::Finished(result) => match result.failure() {
-                Some(reason) if result.verdict() == Verdict::Inconclusive => {
+                Some(reason) if result.verdict() == Some(Verdict::Inconclusive) => {
                     ("warning", "inconclusive", reason)
                 }
                 Some(reason) => ("error", "failed", reason),
@@ -290,6 +290,7 @@ fn suite_summary(text: &mut String, report: &SuiteReport, requests: &Requests) {
         (count(Standing::Judged(Verdict::Failed)), "❌ failed"),
         (count(Standing::Judged(Verdict::Inconclusive)), "❔ inconclusive"),
         (count(Standing::NotJudged), "– not judged"),
+        (count(Standing::Found), "– found, not judged"),
         (count(Standing::Errored), "💥 could not run"),
         (
             standings.iter().filter(|standing| matches!(standing, Standing::NotFinished(_))).count(),
@@ -306,11 +307,16 @@ fn suite_summary(text: &mut String, report: &SuiteReport, requests: &Requests) {
         said.push(format!("⏹ {}", interruption(report)));
     }
     line(format!("## {}: {}\n", markdown(&identity.suite), said.join(", ")));
+    let trials = report.trials.iter().filter(|trial| !trial.skipped()).count();
+    let made = match report.evaluations() {
+        0 => format!("{trials} trials, {runs} runs"),
+        evaluations if trials == 0 => format!("{evaluations} evaluations"),
+        evaluations => format!("{trials} trials, {runs} runs, {evaluations} evaluations"),
+    };
     line(format!(
-        "{}, {}, {} trials, {runs} runs, {:.1} s, scenario-runner {}\n",
+        "{}, {}, {made}, {:.1} s, scenario-runner {}\n",
         markdown_code(&identity.file),
         markdown(&identity.seed_words()),
-        report.trials.iter().filter(|trial| !trial.skipped()).count(),
         report.wall_time.as_secs_f64(),
         markdown(&report.program.version),
     ));
@@ -428,7 +434,7 @@ fn recorded_summary(text: &mut String, report: &SuiteReport) {
     for one in &report.recorded {
         let mark = match one.standing() {
             Standing::Judged(verdict) => verdict_mark(verdict),
-            Standing::NotJudged => "–",
+            Standing::NotJudged | Standing::Found => "–",
             Standing::Errored => "💥",
             Standing::NotFinished(_) => "⏹",
             Standing::Skipped => "–",
@@ -442,10 +448,11 @@ fn recorded_summary(text: &mut String, report: &SuiteReport) {
 /// What every block came to, folded up.
 fn blocks_summary(text: &mut String, report: &SuiteReport) {
     for block in report.blocks.iter().filter(|block| !block.skipped()) {
-        let mark = match block.verdict() {
-            None if matches!(block.state, BlockState::NotFinished(_)) => "⏹",
-            None => "💥",
-            Some(verdict) => verdict_mark(verdict),
+        let mark = match block.standing() {
+            Standing::NotFinished(_) => "⏹",
+            Standing::Errored => "💥",
+            Standing::Judged(verdict) => verdict_mark(verdict),
+            Standing::Found | Standing::NotJudged | Standing::Skipped => "–",
         };
         let failure = render_block_failure(&report.identity, block, false);
         let result = block.result().map(render_block).unwrap_or_default();

@@ -15,7 +15,7 @@ use super::failure::{render_block_failure, render_failure};
 use super::gate::{blindness as gate_blindness, render_gate_report};
 use super::rating::{points_rows, render_rating};
 use super::wording::{
-    in_words, interruption, nothing_claimed, recorded_remark, several_claims, stopping, trial_warnings,
+    FOUND, in_words, interruption, nothing_claimed, recorded_remark, several_claims, stopping, trial_warnings,
 };
 use super::{Repository, need_every_trial};
 use results::{
@@ -133,8 +133,11 @@ impl Item<'_> {
             Self::Block(block) => match &block.state {
                 BlockState::Skipped(_) => TestOutcome::Skipped,
                 BlockState::NotFinished(_) | BlockState::Errored(_) => TestOutcome::Error,
-                BlockState::Finished(result) if result.failure().is_some() => TestOutcome::Failure,
-                BlockState::Finished(_) => TestOutcome::Passed,
+                BlockState::Finished(result) => match result.verdict() {
+                    Some(Verdict::Passed) => TestOutcome::Passed,
+                    Some(Verdict::Inconclusive | Verdict::Failed) => TestOutcome::Failure,
+                    None => TestOutcome::Skipped,
+                },
             },
             Self::Rating(rating) => match rating.verdict() {
                 Some(Verdict::Passed) => TestOutcome::Passed,
@@ -385,13 +388,17 @@ fn block_case(report: &SuiteReport, block: &BlockReport) -> TestCase {
         (BlockState::NotFinished(cut), _) => Some(not_finished(cut)),
         (BlockState::Errored(error), _) => Some(errored(error, text())),
         (BlockState::Finished(_), Some(reason)) => Some(Problem::new(block.block.kind(), &reason, text())),
-        (BlockState::Finished(_), None) => None,
+        (BlockState::Finished(result), None) => result.verdict().is_none().then(|| Problem::skipped(FOUND)),
     };
     let mut case = TestCase::new(&block.key, problem);
     case.property("seed", &report.identity.seed.to_string());
     case.property("replay", &report.identity.block_command(&block.key));
-    if let Some(BlockResult::Estimate(estimate)) = block.result() {
-        estimate_properties(&mut case, estimate);
+    match block.result() {
+        Some(BlockResult::Estimate(estimate)) => estimate_properties(&mut case, estimate),
+        Some(result) if result.evaluations() > 0 => {
+            case.property("evaluations", &result.evaluations().to_string());
+        }
+        _ => {}
     }
     case.output = block.result().map(render_block);
     case.errors = match &block.state {

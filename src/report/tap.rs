@@ -11,12 +11,12 @@ use super::gate::render_gate_report;
 use super::need_every_trial;
 use super::rating::render_rating;
 use super::wording::{
-    in_words, interruption, several_claims, stopping, trial_warnings, verdict_word, warnings,
+    FOUND, in_words, interruption, several_claims, stopping, trial_warnings, verdict_word, warnings,
 };
 use files::escape::{tap_description, tap_text, terminal_line, yaml_quoted};
 use results::{
     BlockReport, BlockState, CutBy, Finding, GateReport, GateState, NotJudged, RatingReport, RatingState,
-    Results, SuiteReport, TrialState, TrialVerdict, Verdict,
+    Results, Standing, SuiteReport, TrialState, TrialVerdict, Verdict,
 };
 
 /// Writes the report as TAP, a test point at a time. An inconclusive trial is `not ok`, and its block says so.
@@ -181,8 +181,10 @@ fn block_point(text: &mut String, number: usize, report: &SuiteReport, block: &B
     if let BlockState::Skipped(reason) = &block.state {
         return line(text, &format!("ok {number} - {name} # SKIP {}", tap_description(&reason.to_string())));
     }
-    let passed = block.verdict() == Some(Verdict::Passed);
-    line(text, &format!("{} {number} - {name}", if passed { "ok" } else { "not ok" }));
+    let is_found = block.standing() == Standing::Found;
+    let passed = is_found || block.verdict() == Some(Verdict::Passed);
+    let skip = if is_found { format!(" # SKIP {FOUND}") } else { String::new() };
+    line(text, &format!("{} {number} - {name}{skip}", if passed { "ok" } else { "not ok" }));
     line(text, "  ---");
     if !passed {
         let severity = match &block.state {

@@ -279,6 +279,7 @@ pub fn remark(report: &UnitReport) -> String {
         UnitReport::Block(block) => match &block.state {
             BlockState::Skipped(skip) => format!(": {skip}"),
             BlockState::NotFinished(cut) => format!(": {cut}"),
+            BlockState::Finished(_) if report.standing() == Standing::Found => format!(": {FOUND}"),
             BlockState::Finished(_) | BlockState::Errored(_) => String::new(),
         },
     }
@@ -343,6 +344,9 @@ fn runs_of(trial: &TrialReport) -> String {
     }
 }
 
+/// What is said of a search that expects nothing of what it found.
+pub const FOUND: &str = "found, not judged";
+
 /// Word and mark of how something stands.
 pub fn standing_words(standing: Standing) -> (&'static str, &'static str) {
     match standing {
@@ -351,6 +355,7 @@ pub fn standing_words(standing: Standing) -> (&'static str, &'static str) {
         Standing::Errored => ("error", "!"),
         Standing::Skipped => ("skipped", "–"),
         Standing::NotJudged => ("not judged", "–"),
+        Standing::Found => (FOUND, "–"),
     }
 }
 
@@ -573,7 +578,10 @@ pub fn interruption(report: &SuiteReport) -> String {
     let not_run = not_run.chain(report.blocks.iter().filter_map(BlockReport::skip));
     let not_run = not_run.chain(report.recorded.iter().filter_map(RecordedReport::skip));
     let not_run = not_run.filter(|skip| matches!(skip, Skip::Stopped(_) | Skip::Needs { .. })).count();
-    let finished = count(&|one| matches!(one, Standing::NotJudged | Standing::Judged(_) | Standing::Errored));
+    let is_finished = |one: &Standing| {
+        matches!(one, Standing::NotJudged | Standing::Found | Standing::Judged(_) | Standing::Errored)
+    };
+    let finished = count(&is_finished);
     format!("interrupted: {finished} finished, {not_finished} not finished, {not_run} not run")
 }
 

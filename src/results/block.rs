@@ -9,7 +9,9 @@ use super::cut::Cut;
 use super::skip::Skip;
 use super::standing::Standing;
 use super::unit_error::UnitError;
-use super::{CalibrateResult, EstimateResult, EvaluateResult, SearchResult, StatementResult, TuneResult};
+use super::{
+    CalibrateResult, EstimateResult, EvaluateResult, JudgedSearch, SearchResult, StatementResult, TuneResult,
+};
 use crate::Verdict;
 use scenario::Block;
 
@@ -62,16 +64,18 @@ impl BlockReport {
         }
     }
 
-    /// Of a block that came to a result; `None` for others.
+    /// Of a block that came to a result that is judged; `None` for others.
     pub fn verdict(&self) -> Option<Verdict> {
-        self.result().map(BlockResult::verdict)
+        self.result().and_then(BlockResult::verdict)
     }
 
     /// How it stands, for counts and exit codes.
     pub fn standing(&self) -> Standing {
         match &self.state {
+            BlockState::Finished(result) => result.verdict().map_or(Standing::Found, Standing::Judged),
+            BlockState::Errored(_) => Standing::Errored,
             BlockState::NotFinished(cut) => Standing::NotFinished(cut.by()),
-            _ => Standing::of(self.skipped(), self.verdict()),
+            BlockState::Skipped(_) => Standing::Skipped,
         }
     }
 }
@@ -97,31 +101,52 @@ pub enum BlockResult {
 }
 
 impl BlockResult {
-    /// Whether it is what the block was to show.
-    pub fn verdict(&self) -> Verdict {
-        match self {
+    /// Whether it is what the block was to show; `None` of a search that found something and expects nothing.
+    pub fn verdict(&self) -> Option<Verdict> {
+        Some(match self {
+            Self::Search(search) => return search.verdict(),
             Self::Estimate(estimate) => estimate.verdict(),
             Self::Statement(statement) => statement.verdict(),
             _ if self.failure().is_some() => Verdict::Failed,
             _ => Verdict::Passed,
+        })
+    }
+
+    /// Whether other blocks can build on it, whatever its verdict.
+    pub fn is_usable(&self) -> bool {
+        match self {
+            Self::Search(_) | Self::Evaluate(_) | Self::Calibrate(_) => true,
+            Self::Tune(tune) => tune.nothing_chosen().is_none(),
+            Self::Estimate(_) | Self::Statement(_) => self.failure().is_none(),
+        }
+    }
+
+    /// How many evaluations an optimiser made; 0 of blocks without one.
+    pub fn evaluations(&self) -> usize {
+        match self {
+            Self::Search(search) => search.evaluations(),
+            Self::Tune(tune) => tune.evaluations.len(),
+            Self::Evaluate(_) | Self::Calibrate(_) | Self::Estimate(_) | Self::Statement(_) => 0,
+        }
+    }
+
+    /// Whether some criterion passed without being put to the test, or numbers that nothing judges are of runs in which nothing was at stake.
+    pub fn is_untested(&self) -> bool {
+        match self {
+            Self::Search(search) => search.judged.as_ref().is_some_and(JudgedSearch::is_untested),
+            Self::Evaluate(evaluate) => !evaluate.untested().is_empty(),
+            _ => false,
         }
     }
 
     /// Why it is not what the block was to show, or why that cannot be said; `None` if it is.
     pub fn failure(&self) -> Option<String> {
         match self {
-            Self::Search(_) | Self::Evaluate(_) | Self::Calibrate(_) => None,
-            Self::Tune(tune) if tune.chosen.is_none() && tune.pareto.is_empty() => {
-                Some("no candidate keeps every constraint: nothing is chosen".to_string())
-            }
-            Self::Tune(_) => None,
+            Self::Search(search) => search.failure(),
+            Self::Evaluate(_) | Self::Calibrate(_) => None,
+            Self::Tune(tune) => tune.failure(),
             Self::Estimate(estimate) => estimate.failure(),
             Self::Statement(statement) => statement.failure(),
         }
-    }
-
-    /// Whether it gives numbers of runs in which nothing was at stake, and judges none of them.
-    pub fn is_untested(&self) -> bool {
-        matches!(self, Self::Evaluate(evaluate) if !evaluate.untested().is_empty())
     }
 }

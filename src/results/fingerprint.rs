@@ -9,7 +9,7 @@ use sha2::{Digest, Sha256};
 use crate::{
     BlockResult, CalibrateResult, CalibratedCondition, CalibratedParameter, CalibratedShare, Candidate,
     CaseRun, ClaimResult, ClaimValues, ComparedEstimate, ConditionResult, CoursePoint, EstimateResult,
-    EvaluateResult, Found, MetricCourse, SearchResult, StatementResult, TrendPoint, TuneResult,
+    EvaluateResult, Found, MetricCourse, SearchResult, StatementResult, TrendPoint, TuneResult, Violations,
 };
 use numbers::random::digest_bits;
 use optimise::Coordinate;
@@ -237,6 +237,8 @@ impl Mixture {
             kept: _,
             // Out of the evaluations and their points.
             usual: _,
+            // Out of the runs of `found`, and of those with fresh seeds there.
+            judged: _,
         } = search;
         self.count(found.len());
         found.iter().for_each(|found| self.found(found));
@@ -296,13 +298,16 @@ impl Mixture {
             objectives_in: _,
             margins_in: _,
             chosen,
+            // Out of the objectives of runs that are made again.
+            change: _,
             // Out of the margins.
             violations: _,
             pareto,
+            fresh_violations,
             evaluations,
             stop: _,
             slices: _,
-            comparison,
+            comparison: _,
         } = tune;
         self.count(evaluations.len());
         evaluations.iter().for_each(|candidate| self.candidate(candidate));
@@ -310,10 +315,13 @@ impl Mixture {
         pareto.iter().for_each(|candidate| self.candidate(candidate));
         self.bits(chosen.is_some().into());
         chosen.iter().for_each(|candidate| self.candidate(candidate));
-        self.bits(comparison.as_ref().is_some_and(|one| one.feasible_fresh).into());
+        for Violations { runs, of } in fresh_violations {
+            self.count(*runs);
+            self.count(*of);
+        }
     }
 
-    fn candidate(&mut self, Candidate { point, objectives, margins, feasible }: &Candidate) {
+    fn candidate(&mut self, Candidate { origin: _, point, objectives, margins, feasible }: &Candidate) {
         self.point(point);
         self.numbers(objectives);
         self.numbers(margins);

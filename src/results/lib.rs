@@ -92,7 +92,9 @@ pub use recorded::{Recorded, RecordedReport, RecordedState, Rerun};
 pub use recording::{PairCourse, Recording};
 pub use requests::Requests;
 pub use resolve::UnknownMetric;
-pub use search::{CoursePoint, Found, FrontPoint, MetricCourse, SearchResult, UsualEncounters};
+pub use search::{
+    CoursePoint, Found, FrontPoint, JudgedRun, JudgedSearch, MetricCourse, SearchResult, UsualEncounters,
+};
 pub use skip::{Skip, Stopping};
 pub use standing::Standing;
 pub use statement::{ClaimResult, ClaimValues, Conclusion, StatementResult, TrendPoint};
@@ -108,6 +110,6 @@ pub use summary::{
 pub use trial::{
     CourseOfRun, Horizon, LeftRoad, Reason, RunsTaken, Stranded, TrialReport, TrialState, TrialVerdict,
 };
-pub use tune::{BeforeAndAfter, Candidate, TuneResult, Violations};
+pub use tune::{BeforeAndAfter, Candidate, CandidateOrigin, TuneResult, Violations};
 pub use unit_error::{RunFault, UnitError};
 pub use verdict::Verdict;

@@ -23,7 +23,7 @@ pub enum Overall {
     Inconclusive,
     /// No criterion applied to anything that was run.
     NothingJudged,
-    /// Everything that was judged passed, and something was.
+    /// Everything that was judged passed, and something was judged or found.
     Passed,
 }
 
@@ -80,7 +80,7 @@ fn overall(suites: &[SuiteReport]) -> Overall {
         Overall::Regressed
     } else if standings().any(|gate| gate == Standing::Errored) {
         Overall::NotComparable
-    } else if !standings().chain(units()).any(|one| matches!(one, Standing::Judged(_))) {
+    } else if !standings().chain(units()).any(|one| matches!(one, Standing::Judged(_) | Standing::Found)) {
         Overall::NothingJudged
     } else if gates().any(GateReport::is_open)
         || ratings().any(RatingReport::is_open)

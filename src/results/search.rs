@@ -3,6 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::cases::{CaseRun, SavedCase, SavedSet};
+use super::finding::Finding;
+use super::verdict::Verdict;
 use optimise::{self, OptimisationEnd, SlicePoint};
 use scenario::{Goal, Individual, ShownIn};
 
@@ -28,6 +30,121 @@ pub struct SearchResult {
     /// What is known of how usual its encounters are; `None` where nothing is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub usual: Option<UsualEncounters>,
+    /// What the search expects of the runs that it kept; `None` of one that expects nothing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub judged: Option<JudgedSearch>,
+}
+
+/// What became of the expectations of a search.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct JudgedSearch {
+    /// The search kept some runs; otherwise the best observed ones are judged.
+    pub of_kept: bool,
+    /// Every run that is judged, by itself; none where nothing was found.
+    pub runs: Vec<JudgedRun>,
+}
+
+/// A run that a search found, against what the search expects.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct JudgedRun {
+    /// Of the run in which it was found: `replay` takes it.
+    pub key: String,
+    /// Whose it is, by its index in what was found.
+    pub found: usize,
+    /// One for each criterion, in order.
+    pub findings: Vec<Finding>,
+    /// In how many of the runs with fresh seeds at the same point every criterion holds. Decides nothing.
+    pub fresh_holding: usize,
+    /// How many of those there are.
+    pub fresh_runs: usize,
+}
+
+impl JudgedRun {
+    /// The worst of the findings.
+    pub fn verdict(&self) -> Verdict {
+        self.findings.iter().map(|finding| finding.verdict).max().unwrap_or(Verdict::Passed)
+    }
+}
+
+impl JudgedSearch {
+    /// The worst of the runs; inconclusive without any.
+    fn verdict(&self) -> Verdict {
+        self.runs.iter().map(JudgedRun::verdict).max().unwrap_or(Verdict::Inconclusive)
+    }
+
+    /// How many runs have this verdict.
+    pub fn count(&self, verdict: Verdict) -> usize {
+        self.runs.iter().filter(|run| run.verdict() == verdict).count()
+    }
+
+    /// Some criterion passed without being put to the test.
+    pub fn is_untested(&self) -> bool {
+        self.runs.iter().flat_map(|run| &run.findings).any(|finding| finding.untested.is_some())
+    }
+
+    /// `2 of 3 kept runs`, or `the best observed run, since nothing was kept`.
+    fn of_which(&self, runs: usize) -> String {
+        let all = self.runs.len();
+        match (self.of_kept, all) {
+            (true, 1) => "the kept run".to_string(),
+            (true, _) => format!("{runs} of {all} kept runs"),
+            (false, 1) => "the best observed run, since nothing was kept".to_string(),
+            (false, _) => format!("{runs} of {all} best observed runs, since nothing was kept"),
+        }
+    }
+
+    /// Why it did not pass; `None` if it did.
+    fn failure(&self) -> Option<String> {
+        let verdict = self.verdict();
+        if verdict == Verdict::Passed {
+            return None;
+        }
+        let Some(first) = self.runs.iter().find(|run| run.verdict() == verdict) else {
+            return Some("nothing that was found is usual enough to be judged".to_string());
+        };
+        let mut criteria: Vec<String> = Vec::new();
+        for finding in self.runs.iter().flat_map(|run| &run.findings).filter(|one| one.verdict == verdict) {
+            let named = format!("`{}`", finding.criterion);
+            if !criteria.contains(&named) {
+                criteria.push(named);
+            }
+        }
+        let what = match (verdict, criteria.len()) {
+            (Verdict::Inconclusive, _) => "cannot be decided in",
+            (_, 1) => "does not hold in",
+            _ => "do not hold in",
+        };
+        let (criteria, of) = (criteria.join(", "), self.of_which(self.count(verdict)));
+        Some(format!("{criteria} {what} {of}: {}", first.key))
+    }
+}
+
+impl SearchResult {
+    /// How many evaluations were made, for everybody.
+    pub fn evaluations(&self) -> usize {
+        self.found.iter().map(|found| found.evaluations.len()).sum()
+    }
+
+    /// What it came to; `None` of one that found something and expects nothing.
+    pub(super) fn verdict(&self) -> Option<Verdict> {
+        match &self.judged {
+            _ if self.has_no_value() => Some(Verdict::Inconclusive),
+            judged => judged.as_ref().map(JudgedSearch::verdict),
+        }
+    }
+
+    /// Why it did not pass, or why that cannot be said; `None` otherwise.
+    pub(super) fn failure(&self) -> Option<String> {
+        if self.has_no_value() {
+            return Some(format!("no evaluation has a value of `{}`: nothing was found", self.objective));
+        }
+        self.judged.as_ref().and_then(JudgedSearch::failure)
+    }
+
+    fn has_no_value(&self) -> bool {
+        let mut values = self.found.iter().flat_map(|found| &found.evaluations);
+        values.all(|(_, value)| value.is_none())
+    }
 }
 
 /// How bad encounters are against how usual they are.

@@ -35,7 +35,7 @@ impl Skip {
             Standing::Judged(_) => "failed",
             Standing::Errored => "could not be run",
             Standing::NotFinished(_) => "was not finished",
-            Standing::NotJudged => "was not judged",
+            Standing::NotJudged | Standing::Found => "was not judged",
             Standing::Skipped => "was not run",
         };
         Self::Needs { key: key.to_string(), happened: happened.to_string() }

@@ -13,6 +13,8 @@ pub enum Standing {
     Skipped,
     /// It was run, but no criterion applied to it: it is no evidence of anything.
     NotJudged,
+    /// A search that found something, and expects nothing of it.
+    Found,
     /// Its criteria came to this.
     Judged(Verdict),
     /// It was begun, and cut off.

@@ -287,6 +287,11 @@ impl SuiteReport {
         of_trials + self.blocks.iter().map(of_block).sum::<usize>()
     }
 
+    /// How many evaluations its searches and tunes made.
+    pub fn evaluations(&self) -> usize {
+        self.blocks.iter().filter_map(BlockReport::result).map(BlockResult::evaluations).sum()
+    }
+
     /// The trials that are held, each with its place among all trials of the suite.
     pub fn placed_trials(&self) -> impl Iterator<Item = (usize, &TrialReport)> {
         let place = |index: usize| self.summary.as_ref().map_or(index, |summary| summary.held[index]);

@@ -31,11 +31,19 @@ pub struct TuneResult {
     pub margins_in: Vec<ShownIn>,
     /// The chosen candidate; `None` if no candidate was ever feasible and the block does not say `otherwise`.
     pub chosen: Option<Candidate>,
+    /// By how much the first objective of the chosen candidate differs from that of the declared values, on runs with fresh seeds;
+    /// `None` where the declared values are chosen, or break a constraint.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub change: Option<f64>,
     /// Where the chosen candidate is not feasible: in how many runs of the set it violates a constraint.
     pub violations: Option<Violations>,
     /// With two objectives: the candidates that no other beats in both.
     pub pareto: Vec<Candidate>,
-    /// Every candidate in order.
+    /// In how many runs of the set with fresh seeds the chosen candidate violates a constraint, or each of those that no other beats;
+    /// empty without constraints.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub fresh_violations: Vec<Violations>,
+    /// Every candidate in order; the first is what the scenarios declare.
     pub evaluations: Vec<Candidate>,
     /// Why nothing more was proposed; `None` if the tune did not get there.
     pub stop: Option<OptimisationEnd>,
@@ -48,7 +56,11 @@ pub struct TuneResult {
 /// Values of the parameters with what they give on the set.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Candidate {
-    /// One value per parameter, in the order of [`TuneResult::parameters`].
+    /// Who proposed it.
+    #[serde(default, skip_serializing_if = "CandidateOrigin::is_method")]
+    pub origin: CandidateOrigin,
+    /// One value per parameter, in the order of [`TuneResult::parameters`]; empty of what is declared where that is not one value for all
+    /// cases.
     pub point: Vec<optimise::Coordinate>,
     /// One per objective, SI units; `None` where no run gives one.
     pub objectives: Vec<Option<f64>>,
@@ -56,6 +68,84 @@ pub struct Candidate {
     pub margins: Vec<Option<f64>>,
     /// Whether it keeps every constraint on the set.
     pub feasible: bool,
+}
+
+/// Who proposed a candidate.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum CandidateOrigin {
+    /// The scenarios: the values that they declare.
+    Declared,
+    /// The user: `try { … }`.
+    Tried,
+    /// The method.
+    #[default]
+    Method,
+}
+
+impl CandidateOrigin {
+    fn is_method(&self) -> bool {
+        *self == Self::Method
+    }
+}
+
+impl Candidate {
+    /// Keeps every constraint, but an objective has no value.
+    pub fn has_no_value(&self) -> bool {
+        let keeps = |margin: &Option<f64>| margin.is_some_and(|margin| margin >= 0.0);
+        self.objectives.contains(&None) && self.margins.iter().all(keeps)
+    }
+}
+
+impl TuneResult {
+    /// The values that the scenarios declare are chosen.
+    pub fn keeps_declared(&self) -> bool {
+        self.chosen.as_ref().is_some_and(|chosen| chosen.origin == CandidateOrigin::Declared)
+    }
+
+    /// In how many runs with fresh seeds what is chosen violates a constraint, the most of several; `None` if in none.
+    pub fn broken_on_fresh(&self) -> Option<Violations> {
+        let broken = self.fresh_violations.iter().filter(|one| one.runs > 0);
+        broken.max_by_key(|one| one.runs).copied()
+    }
+
+    /// What has to be known of what is chosen: that it breaks a constraint somewhere.
+    pub fn caveat(&self) -> Option<String> {
+        let fresh = || {
+            let Violations { runs, of } = self.broken_on_fresh()?;
+            Some(format!("infeasible with fresh seeds: breaks a constraint in {runs} of {of} runs"))
+        };
+        self.violations.map(|violations| violations.to_string()).or_else(fresh)
+    }
+
+    /// Why nothing is chosen; `None` if something is.
+    pub fn nothing_chosen(&self) -> Option<&'static str> {
+        if self.chosen.is_some() || !self.pareto.is_empty() {
+            return None;
+        }
+        let unknown = self.evaluations.iter().filter(|one| one.has_no_value()).count();
+        Some(match unknown {
+            0 => "no candidate keeps every constraint: nothing is chosen",
+            all if all == self.evaluations.len() => "no candidate has a value: nothing is chosen",
+            _ => "no candidate that keeps every constraint has a value: nothing is chosen",
+        })
+    }
+
+    /// Why it is not what was asked for; `None` if it is.
+    pub(super) fn failure(&self) -> Option<String> {
+        if let Some(why) = self.nothing_chosen() {
+            return Some(why.to_string());
+        }
+        if let Some(violations) = &self.violations {
+            return Some(format!("what is chosen is {violations}"));
+        }
+        let Violations { runs, of } = self.broken_on_fresh()?;
+        let which = match self.chosen {
+            Some(_) => "the chosen candidate",
+            None => "a candidate on the front",
+        };
+        Some(format!("{which} breaks a constraint on the fresh seeds, in {runs} of {of} runs"))
+    }
 }
 
 /// Runs in which a constraint is violated, of those that were made.
@@ -91,6 +181,4 @@ pub struct BeforeAndAfter {
     pub before_fresh: Vec<MetricSummary>,
     /// With the chosen candidate, on the same cases with other seeds.
     pub after_fresh: Vec<MetricSummary>,
-    /// Whether the chosen candidate keeps every constraint on the fresh runs too.
-    pub feasible_fresh: bool,
 }

@@ -6,7 +6,9 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 pub use optimise::{Goal, InitialDesign};
 
-use super::{Aggregate, Comparison, Individuals, Notation, Origin, Relation, Symbol, significant};
+use super::{
+    Aggregate, Comparison, Criterion, Individuals, Notation, Origin, Relation, Symbol, Value, significant,
+};
 
 /// Finds the values of variations (or model parameters) at which a metric is worst, per individual or for all.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -32,6 +34,9 @@ pub struct Search {
     /// All that a found case must be to belong to the named set; of nothing every best case does.
     #[serde(default, deserialize_with = "keep")]
     pub keep: Vec<Keep>,
+    /// What every run that is kept has to fulfil; the search is not judged without.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub expect: Vec<Criterion>,
     /// Where it is declared.
     pub origin: Origin,
 }
@@ -110,6 +115,10 @@ pub struct Tune {
     /// The units that their bounds are written in, in their order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub constraints_in: Vec<Option<Notation>>,
+    /// Candidates of the user's own, which come after what the scenarios declare and before all others. What one of them leaves out is as
+    /// declared.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub tries: Vec<Vec<(Target, Value)>>,
     /// How many candidates, and how they are chosen.
     pub budget: Budget,
     /// Runs of every case under fresh seeds, the same for every candidate; 0: once, with the case's own seed.

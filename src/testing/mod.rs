@@ -307,7 +307,7 @@ impl Tested {
         let suite = self.session.units()[index].suite;
         let warning = self.nondeterminism(suite);
         match report.standing() {
-            Standing::NotJudged | Standing::Judged(Verdict::Passed) => Ok(()),
+            Standing::NotJudged | Standing::Found | Standing::Judged(Verdict::Passed) => Ok(()),
             Standing::Skipped => Err(report.skip().map(Skip::to_string).unwrap_or_default().into()),
             Standing::Judged(_) | Standing::NotFinished(_) | Standing::Errored => {
                 Err((explain(&self.session.identity(suite), report, false) + &warning).into())

@@ -7,6 +7,7 @@ mod diff;
 mod drawn;
 mod edited_results;
 mod estimates;
+mod expecting_searches;
 #[cfg(unix)]
 mod files;
 mod gates;
@@ -36,6 +37,7 @@ mod streets;
 mod summary;
 #[path = "../support/mod.rs"]
 mod support;
+mod tunes;
 mod units;
 mod untested;
 mod verdicts;

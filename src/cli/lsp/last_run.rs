@@ -341,7 +341,9 @@ fn last_run<'s>(
     let recorded =
         suite.recorded.iter().filter(|one| scenario.is_none() || one.scenario.as_deref() == scenario);
     let besides = recorded.chain(others.filter(|_| scenario.is_none()));
-    let is_open = |one: &&Besides| one.verdict.as_ref().is_some_and(|verdict| verdict != "passed");
+    let is_open = |one: &&Besides| {
+        one.verdict.as_ref().is_some_and(|verdict| !["passed", "found"].contains(&verdict.as_str()))
+    };
     let besides = besides.filter(is_open).map(|one| one.key.clone()).collect();
     let seed = suite.seed.as_str().map_or_else(|| suite.seed.to_string(), str::to_string);
     let run = LastResult {

@@ -272,7 +272,7 @@ impl LastRun {
     fn learn_standing(&mut self, key: &str, standing: Standing) {
         match standing {
             Standing::Skipped => {}
-            Standing::NotJudged | Standing::Judged(Verdict::Passed) => {
+            Standing::NotJudged | Standing::Found | Standing::Judged(Verdict::Passed) => {
                 self.failed.remove(key);
             }
             Standing::Judged(_) | Standing::NotFinished(_) | Standing::Errored => {

@@ -47,7 +47,9 @@ impl TriedSeeds {
                 let compared = report.gates.iter().map(|gate| gate.standing());
                 report.standings().chain(rated).chain(compared)
             };
-            let good = |one: Standing| matches!(one, Standing::NotJudged | Standing::Judged(Verdict::Passed));
+            let good = |one: Standing| {
+                matches!(one, Standing::NotJudged | Standing::Found | Standing::Judged(Verdict::Passed))
+            };
             let passed = match standings().filter(|one| *one != Standing::Skipped).all(good) {
                 true if report.interrupted || standings().any(|one| one == Standing::Skipped) => continue,
                 passed => passed,

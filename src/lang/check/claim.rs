@@ -1,9 +1,9 @@
 //! `claim …`: what is measured, compared to numbers and to each other.
 
 use super::criterion::{self, From};
-use super::experiment::{Takes, target};
 use super::places::TextPlaces;
 use super::subject::{StatementSubject, Subjects};
+use super::target::{Takes, target};
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;

@@ -5,10 +5,11 @@ use std::path::Path;
 
 use super::block::{Layer, missing, reject_repeats};
 use super::comparison::bound_in;
-use super::experiment::{SummedUp, Takes, fresh_seeds, reject_unmeant, summed_up, target};
+use super::experiment::{SummedUp, fresh_seeds, summed_up};
 use super::literal;
 use super::places::TextPlaces;
 use super::subject::{StatementSubject, Subjects, case_set};
+use super::target::{Takes, reject_unmeant, target};
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
 use crate::settings::{self, repeated};

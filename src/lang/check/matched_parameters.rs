@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
-use super::experiment::{Takes, reject_unmeant, target};
 use super::subject::StatementSubject;
+use super::target::{Takes, reject_unmeant, target};
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
 use crate::settings::repeated;

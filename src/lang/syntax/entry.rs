@@ -82,6 +82,8 @@ pub enum YamlShape {
     Cases,
     /// A list of `default`, names, `{ file: PATH, as: NAME }` and `{ set: { parameter: value }, as: NAME }`.
     Conditions,
+    /// A mapping of parameters to values, or a list of such: `try { parameter: value }`
+    ParameterSets,
     /// A mapping of names to lists: `reported name: a, b`
     Rows,
     /// A list of mappings of values to weights, perhaps with `when`: `weights when … { value: weight }`

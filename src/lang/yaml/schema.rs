@@ -127,6 +127,7 @@ fn value(statement: &StatementEntry, registry: &Registry) -> Value {
                 },
             ],
         })),
+        YamlShape::ParameterSets => one_or_several(&mapping_of(&words())),
         YamlShape::Rows => mapping_of(&one_or_several(&words())),
         YamlShape::Parameters => mapping_of(&json!({ "type": ["string", "number", "boolean", "null"] })),
         YamlShape::Weights => one_or_several(&mapping_of(&words())),

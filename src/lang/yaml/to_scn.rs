@@ -330,6 +330,11 @@ impl Writer<'_> {
                     writer.condition(item);
                 }
             }),
+            YamlShape::ParameterSets => {
+                for item in Self::each(value) {
+                    self.said(name, keyword, |writer| writer.settings(item));
+                }
+            }
             YamlShape::Rows => {
                 for (condition, values) in self.fields(value, &format!("`{key}`")) {
                     self.said(name, keyword, |writer| {

@@ -270,6 +270,14 @@ fn write(statement: &StatementEntry, statements: &[Node], depth: usize, out: &mu
             let conditions = statements.iter().flat_map(|node| node.parts::<ast::Evaluated>()).map(condition);
             line(depth, &format!("{key}: [{}]", conditions.collect::<Vec<_>>().join(", ")), out);
         }
+        YamlShape::ParameterSets => {
+            let sets = statements.iter().flat_map(|node| node.parts::<ast::ParameterSet>());
+            let sets: Vec<_> = sets.map(parameter_set).collect();
+            match sets.as_slice() {
+                [only] => line(depth, &format!("{key}: {only}"), out),
+                several => line(depth, &format!("{key}: [{}]", several.join(", ")), out),
+            }
+        }
         YamlShape::Rows => {
             line(depth, &format!("{key}:"), out);
             for row in statements.iter().copied().filter_map(ast::ReportedRow::cast) {
@@ -333,13 +341,17 @@ fn condition(node: ast::Evaluated) -> String {
     let Some(set) = node.set() else {
         return serde_json::Value::from(phrase(*node)).to_string();
     };
+    format!("{{ set: {}{alias} }}", parameter_set(set))
+}
+
+/// `{ av.controller.gap: "5 m" }`
+fn parameter_set(set: ast::ParameterSet) -> String {
     let pair = |given: ast::Given| {
         let value = serde_json::Value::from(phrase(*given.value()));
         format!("{}: {value}", phrase(*given.target()))
     };
     let pairs: Vec<_> = set.given().map(pair).collect();
-    let set = if pairs.is_empty() { "{}".to_string() } else { format!("{{ {} }}", pairs.join(", ")) };
-    format!("{{ set: {set}{alias} }}")
+    if pairs.is_empty() { "{}".to_string() } else { format!("{{ {} }}", pairs.join(", ")) }
 }
 
 fn head(node: Node, depth: usize, out: &mut String) {

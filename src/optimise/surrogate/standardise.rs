@@ -10,6 +10,8 @@ const OUTLIER: f64 = 12.0;
 const KNEE: f64 = 4.0;
 /// The factor from median absolute deviation to standard deviation of a normal distribution.
 const NORMAL_CONSISTENCY: f64 = 1.482_602_218_505_602;
+/// Deviations up to this share of the largest value are rounding: those of equal values are about 1e-16 of their size.
+const ROUNDING: f64 = 1e-12;
 
 /// Which values may be called outliers and compressed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -44,10 +46,11 @@ impl Standardisation {
         let median = |values: &[f64]| median_of(values).unwrap_or(0.0);
         let centre = median(values);
         let deviations: Vec<f64> = values.iter().map(|value| (value - centre).abs()).collect();
+        let rounding = ROUNDING * largest_of(values);
         let mut scale = NORMAL_CONSISTENCY * median(&deviations);
-        if scale <= 0.0 {
+        if scale <= rounding {
             // More than half the values are equal: the typical size of the others' deviations.
-            let others: Vec<f64> = deviations.into_iter().filter(|&deviation| deviation > 0.0).collect();
+            let others: Vec<f64> = deviations.into_iter().filter(|&deviation| deviation > rounding).collect();
             if others.is_empty() {
                 return usual;
             }
@@ -67,15 +70,14 @@ impl Standardisation {
 
     fn by_moments(values: &[f64]) -> Self {
         // Scaled by the largest first, so that squares of very large values stay finite.
-        let largest = values.iter().fold(0.0f64, |largest, value| largest.max(value.abs()));
+        let largest = largest_of(values);
         let unit = if largest > 0.0 { largest } else { 1.0 };
         let n = values.len().max(1) as f64;
         let mean = values.iter().map(|value| value / unit).sum::<f64>() / n;
         let variance =
             values.iter().map(|value| (value / unit - mean) * (value / unit - mean)).sum::<f64>() / n;
         let deviation = unit * variance.sqrt();
-        // Rounding alone makes a constant's deviation about 1e-16 of its size.
-        let scale = if deviation > 1e-12 * largest { deviation } else { 1.0 };
+        let scale = if deviation > ROUNDING * largest { deviation } else { 1.0 };
         Standardisation { centre: mean * unit, scale, compress: Outliers::Keep }
     }
 
@@ -100,6 +102,11 @@ impl Standardisation {
         };
         self.centre + self.scale * z
     }
+}
+
+/// The largest absolute value.
+fn largest_of(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |largest, value| value.abs().max(largest))
 }
 
 #[cfg(test)]
@@ -138,6 +145,28 @@ mod tests {
                 assert!(map.apply(value).is_finite());
             }
         }
+    }
+
+    #[test]
+    fn rounding_on_a_plateau_is_no_signal() {
+        // Times lost on a plateau at 0: sums in another order differ in their last bit.
+        let plateau = |jitter: f64| -> Vec<f64> {
+            let flat = (0..30).map(|i| if i % 3 == 0 { jitter } else { 0.0 });
+            flat.chain((0..10).map(|i| 0.5 + 0.2 * f64::from(i))).collect()
+        };
+        for outliers in [Outliers::Keep, Outliers::CompressHigh, Outliers::CompressBoth] {
+            let (exact, rounded) = (
+                Standardisation::of(&plateau(0.0), outliers),
+                Standardisation::of(&plateau(3e-16), outliers),
+            );
+            assert!((exact.scale - rounded.scale).abs() < 1e-9, "{exact:?} {rounded:?}");
+            assert!((exact.apply(2.3) - rounded.apply(2.3)).abs() < 1e-9);
+        }
+        // The same where half of all deviations are of the last bit.
+        let values: Vec<f64> =
+            (0..20).map(|i| if i % 2 == 0 { 0.75 } else { 0.750_000_000_000_000_1 }).collect();
+        let values = [values, vec![4.0; 5]].concat();
+        assert!(Standardisation::of(&values, Outliers::CompressHigh).scale > 0.1);
     }
 
     proptest! {

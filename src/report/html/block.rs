@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::{calibrate, estimate, evaluate, search, tune};
 use crate::failure::render_block_failure;
+use crate::wording::FOUND;
 use results::{BlockReport, BlockResult, BlockState, SuiteReport, Verdict};
 use scenario::Block;
 
@@ -42,7 +43,8 @@ impl BlockSection {
             (BlockState::NotFinished(_), _) => ("not finished", "■"),
             (_, Some(Verdict::Failed)) => ("failed", "✗"),
             (_, Some(Verdict::Inconclusive)) => ("inconclusive", "?"),
-            _ => ("passed", "✓"),
+            (_, Some(Verdict::Passed)) => ("passed", "✓"),
+            (_, None) => (FOUND, "–"),
         };
         let failure = render_block_failure(&report.identity, block, false);
         let mut section = Self {

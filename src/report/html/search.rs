@@ -9,11 +9,12 @@ use crate::chart::{
     self, Along, Convergence, Convergences, CourseLine, Dot, First, IndividualsChart, LegendEntry, Look,
     PointMark, Slice, Strip, Strips, Tried, first_legend, with_room,
 };
+use crate::found::said;
 use crate::usual::tail_text;
-use crate::wording::keep_text;
+use crate::wording::{keep_text, verdict_mark};
 use numbers::summary::mean;
 use optimise::{Coordinate, OptimisationEnd};
-use results::{Found, SearchResult, SuiteReport};
+use results::{Found, JudgedRun, JudgedSearch, SearchResult, SuiteReport, Verdict};
 use scenario::Search;
 
 /// Charts of surrogates that are seen at once, and all that are drawn.
@@ -23,6 +24,8 @@ const MOST_SLICES: usize = 120;
 const MOST_PLACES: usize = 6;
 /// A longer table scrolls.
 const LONG_TABLE: usize = 30;
+/// Judged runs that are listed.
+const MOST_JUDGED: usize = 50;
 
 #[derive(Debug, Serialize)]
 pub struct SearchSection {
@@ -35,9 +38,50 @@ pub struct SearchSection {
     keeps: bool,
     /// Whether of somebody it is known how usual they are.
     plausible: bool,
+    /// What the search expects of the runs that it kept.
+    judged: Option<Judged>,
     rows: Vec<Row>,
     long: bool,
     figures: Vec<HtmlFigure>,
+}
+
+/// Runs that a search judges, those that did not pass first.
+#[derive(Debug, Serialize)]
+struct Judged {
+    heading: &'static str,
+    runs: Vec<JudgedRow>,
+    more: usize,
+}
+
+#[derive(Debug, Serialize)]
+struct JudgedRow {
+    mark: &'static str,
+    criteria: Vec<String>,
+    /// In how many runs with fresh seeds all of it holds.
+    fresh: String,
+    replay: String,
+}
+
+impl Judged {
+    fn new(report: &SuiteReport, judged: &JudgedSearch) -> Self {
+        let mut runs: Vec<&JudgedRun> = judged.runs.iter().collect();
+        runs.sort_by_key(|run| std::cmp::Reverse(run.verdict()));
+        let row = |run: &&JudgedRun| JudgedRow {
+            mark: verdict_mark(run.verdict()),
+            criteria: run.findings.iter().map(said).collect(),
+            fresh: format!("{} of {}", run.fresh_holding, run.fresh_runs),
+            replay: report.identity.replay_command(&run.key),
+        };
+        Self {
+            heading: match (runs.is_empty(), judged.of_kept) {
+                (true, _) => "Nothing that was found is usual enough to be judged.",
+                (_, true) => "Expected of every run that was kept:",
+                (_, false) => "Nothing was kept. Expected of the best observed runs:",
+            },
+            runs: runs.iter().take(MOST_JUDGED).map(row).collect(),
+            more: runs.len().saturating_sub(MOST_JUDGED),
+        }
+    }
 }
 
 /// What was found for one person, or for all of them.
@@ -82,6 +126,7 @@ impl SearchSection {
             dimensions: hunt.dimensions.iter().map(|one| one.quantity().label()).collect(),
             objective: hunt.objective.heading(),
             keeps: !search.keep.is_empty(),
+            judged: result.judged.as_ref().map(|judged| Judged::new(report, judged)),
             plausible: result.found.iter().any(|found| found.plausibility.is_some()),
             rows: hunt.found.iter().map(|found| hunt.row(found)).collect(),
             long: hunt.found.len() > LONG_TABLE,
@@ -97,9 +142,14 @@ impl SearchSection {
         let sign = sign(search.objective.direction);
         let worst = with_value.min_by(|left, right| (sign * left).total_cmp(&(sign * right)));
         let worst = MeasuredQuantity::objective(&search.objective).text(worst);
+        let judged = result.judged.as_ref().filter(|judged| !judged.runs.is_empty());
+        let judged = judged.map_or_else(String::new, |judged| {
+            let passed = judged.count(Verdict::Passed);
+            format!("; {passed} of {} as expected", judged.runs.len())
+        });
         match search.keep.is_empty() {
-            false => format!("{kept} of {hunted} kept ({}); worst {worst}", keep_text(search)),
-            true => format!("{hunted} found; worst {worst}"),
+            false => format!("{kept} of {hunted} kept ({}); worst {worst}{judged}", keep_text(search)),
+            true => format!("{hunted} found; worst {worst}{judged}"),
         }
     }
 }

@@ -162,6 +162,17 @@ impl SpaceDimension {
         }
     }
 
+    /// As [`Self::place`]; `None` of numbers outside of the range, which charts have no place for.
+    pub fn place_within(&self, value: &optimise::Coordinate) -> Option<f64> {
+        self.place(value).filter(|place| match self.along {
+            Along::Words(_) => true,
+            Along::Numbers { low, high } | Along::Logarithmic { low, high } => {
+                let rounding = 1e-9 * (high - low);
+                (low - rounding..=high + rounding).contains(place)
+            }
+        })
+    }
+
     /// Without its unit, for a column whose heading has it.
     pub fn number(&self, value: &optimise::Coordinate) -> String {
         self.shown(value).map_or_else(|| value.to_string(), |number| significant(number, 4))

@@ -5,11 +5,11 @@ use serde::Serialize;
 use super::figure::HtmlFigure;
 use super::space::{MeasuredQuantity, SpaceDimension, point_text};
 use crate::chart::{AxisQuantity, Convergence, Front, PointMark, Rule, Slice, Tried};
-use crate::experiment::tuned_parameters;
-use crate::format::share;
+use crate::experiment::{against_declared, tuned_parameters};
+use crate::format::{capitalised, share};
 use crate::wording::comparison_text;
 use optimise::OptimisationEnd;
-use results::{BeforeAndAfter, Candidate, MetricSummary, TuneResult, Violations};
+use results::{BeforeAndAfter, Candidate, CandidateOrigin, MetricSummary, TuneResult, Violations};
 use scenario::{MetricKind, MetricReference, ShownIn, Tune};
 
 /// Charts of margins that are seen at once.
@@ -20,9 +20,17 @@ pub struct TuneSection {
     sentences: Vec<String>,
     /// The chosen parameters as a scenario can use them.
     parameters: Option<String>,
+    /// What is left of the constraints with fresh seeds; `None` without constraints.
+    fresh: Option<FreshSeeds>,
     comparison: Option<Table>,
     candidates: Candidates,
     figures: Vec<HtmlFigure>,
+}
+
+#[derive(Debug, Serialize)]
+struct FreshSeeds {
+    passed: bool,
+    text: String,
 }
 
 /// Before and after.
@@ -32,8 +40,6 @@ struct Table {
     main: Vec<Line>,
     /// Every other metric.
     others: Vec<Line>,
-    feasible_fresh: bool,
-    constrained: bool,
 }
 
 /// A metric before and after, then on fresh seeds.
@@ -60,7 +66,7 @@ struct Candidates {
 struct CandidateRow {
     number: usize,
     cells: Vec<String>,
-    state: &'static str,
+    state: String,
 }
 
 /// One tune with what its charts share.
@@ -78,6 +84,7 @@ impl TuneSection {
         Self {
             sentences: bench.sentences(),
             parameters: result.chosen.as_ref().map(|_| tuned_parameters(result, tune)),
+            fresh: bench.fresh(),
             comparison: result.comparison.as_ref().map(|comparison| bench.comparison(comparison)),
             candidates: bench.candidates(),
             figures: bench.figures(),
@@ -89,12 +96,15 @@ impl TuneSection {
         let bench = Bench::new(tune, result);
         match (&result.chosen, result.pareto.len()) {
             (Some(chosen), _) => match &result.violations {
+                None if result.keeps_declared() => {
+                    format!("nothing better than what is declared: {}", bench.told(chosen))
+                }
                 None => bench.told(chosen),
                 Some(Violations { runs, of }) => {
                     format!("infeasible, violated in {runs} of {of} runs: {}", bench.told(chosen))
                 }
             },
-            (None, 0) => "no candidate keeps every constraint".to_string(),
+            (None, 0) => result.nothing_chosen().unwrap_or_default().to_string(),
             (None, _) => format!("{} on the front", bench.front_words()),
         }
     }
@@ -123,7 +133,32 @@ impl<'a> Bench<'a> {
         let values = self.objectives.iter().zip(&candidate.objectives);
         let values: Vec<_> =
             values.map(|(one, value)| format!("{} {}", one.name, one.text(*value))).collect();
-        format!("{} gives {}", point_text(&self.dimensions, &candidate.point), values.join(", "))
+        let point = match candidate.point.is_empty() {
+            true => "what is declared".to_string(),
+            false => point_text(&self.dimensions, &candidate.point),
+        };
+        format!("{point} gives {}", values.join(", "))
+    }
+
+    fn fresh(&self) -> Option<FreshSeeds> {
+        let result = self.result;
+        if result.fresh_violations.is_empty() {
+            return None;
+        }
+        let which =
+            if result.chosen.is_some() { "the chosen candidate" } else { "every candidate on the front" };
+        Some(match result.broken_on_fresh() {
+            None => FreshSeeds {
+                passed: true,
+                text: format!("✓ On the fresh seeds {which} keeps every constraint, too."),
+            },
+            Some(Violations { runs, of }) => {
+                let which = which.replace("every", "a");
+                let text =
+                    format!("✗ On the fresh seeds {which} breaks a constraint, in {runs} of {of} runs.");
+                FreshSeeds { passed: false, text }
+            }
+        })
     }
 
     fn sentences(&self) -> Vec<String> {
@@ -163,11 +198,14 @@ impl<'a> Bench<'a> {
                 };
                 format!("Chosen: {}{margins}.", self.told(chosen))
             }
-            None if result.pareto.is_empty() => {
-                "No candidate keeps every constraint: nothing is chosen.".to_string()
-            }
-            None => format!("The front: {}.", self.front_words()),
+            None => match result.nothing_chosen() {
+                Some(why) => capitalised(why) + ".",
+                None => format!("The front: {}.", self.front_words()),
+            },
         });
+        if result.chosen.is_some() {
+            sentences.push(capitalised(&against_declared(result)) + ".");
+        }
         sentences
     }
 
@@ -200,12 +238,7 @@ impl<'a> Bench<'a> {
         };
         let lines = comparison.before.iter().enumerate().map(line);
         let (main, others) = lines.partition(|line: &Line| about.contains(&line.metric));
-        Table {
-            main,
-            others,
-            feasible_fresh: comparison.feasible_fresh,
-            constrained: !self.tune.constraints.is_empty(),
-        }
+        Table { main, others }
     }
 
     fn constraints_in_words(&self) -> Vec<String> {
@@ -219,20 +252,16 @@ impl<'a> Bench<'a> {
         let constraints = self.constraints_in_words().into_iter();
         let margins = constraints.map(|constraint| format!("margin of {constraint}"));
         let row = |(index, candidate): (usize, &Candidate)| {
-            let point = self.dimensions.iter().zip(&candidate.point).map(|(one, value)| one.number(value));
+            let point = self.dimensions.iter().enumerate().map(|(index, one)| {
+                candidate.point.get(index).map_or_else(|| "declared".to_string(), |value| one.number(value))
+            });
             let values = self.objectives.iter().zip(&candidate.objectives);
             let margins = self.constraints.iter().zip(&candidate.margins);
             let numbers = values.chain(margins).map(|(one, value)| one.number(*value));
             CandidateRow {
                 number: index + 1,
                 cells: point.chain(numbers).collect(),
-                state: match self.mark(index, candidate) {
-                    PointMark::Best if !candidate.feasible => "chosen, infeasible",
-                    PointMark::Best if self.result.chosen.is_some() => "chosen",
-                    PointMark::Best => "on the front",
-                    PointMark::Refused => "infeasible",
-                    PointMark::Initial | PointMark::Proposed => "feasible",
-                },
+                state: self.state(index, candidate),
             }
         };
         Candidates {
@@ -241,12 +270,35 @@ impl<'a> Bench<'a> {
         }
     }
 
+    /// What became of a candidate, and who proposed it unless that was the method.
+    fn state(&self, index: usize, candidate: &Candidate) -> String {
+        let state = match self.mark(index, candidate) {
+            PointMark::Best if !candidate.feasible => "chosen, infeasible",
+            PointMark::Best if self.result.chosen.is_some() => "chosen",
+            PointMark::Best => "on the front",
+            PointMark::Refused => "infeasible",
+            PointMark::Initial | PointMark::Proposed => "feasible",
+        };
+        match candidate.origin {
+            CandidateOrigin::Declared => format!("{state}, declared"),
+            CandidateOrigin::Tried => format!("{state}, tried"),
+            CandidateOrigin::Method => state.to_string(),
+        }
+    }
+
+    /// Candidates before the first one that the method chose: those that were given, and its initial points.
+    fn initial(&self) -> usize {
+        let given =
+            self.result.evaluations.iter().filter(|one| one.origin != CandidateOrigin::Method).count();
+        given + self.tune.budget.initial as usize
+    }
+
     fn mark(&self, index: usize, candidate: &Candidate) -> PointMark {
         let best = self.result.chosen.iter().chain(&self.result.pareto);
         match candidate {
             _ if best.into_iter().any(|best| best == candidate) => PointMark::Best,
             _ if !candidate.feasible => PointMark::Refused,
-            _ if index < self.tune.budget.initial as usize => PointMark::Initial,
+            _ if index < self.initial() => PointMark::Initial,
             _ => PointMark::Proposed,
         }
     }
@@ -268,7 +320,9 @@ impl<'a> Bench<'a> {
     fn tried(&self, along: Option<usize>, value: impl Fn(&Candidate) -> Option<f64>) -> Vec<Tried> {
         let tried = |(index, candidate): (usize, &Candidate)| {
             let x = match along {
-                Some(dimension) => self.dimensions[dimension].place(&candidate.point[dimension])?,
+                Some(dimension) => {
+                    self.dimensions[dimension].place_within(candidate.point.get(dimension)?)?
+                }
                 None => (index + 1) as f64,
             };
             Some(Tried { x, y: value(candidate), mark: self.mark(index, candidate) })
@@ -302,7 +356,7 @@ impl<'a> Bench<'a> {
         if self.result.evaluations.is_empty() || self.objectives.len() > 1 {
             return None;
         }
-        let initial = self.tune.budget.initial as usize;
+        let initial = self.initial();
         let mut tried = self.tried(None, self.charted(0));
         if self.result.violations.is_some() {
             // Nothing is the best so far where nothing is feasible.
@@ -315,7 +369,7 @@ impl<'a> Bench<'a> {
             tried,
             initial,
         };
-        let note = format!("The dotted line stands after the {initial} initial points.");
+        let note = format!("The dotted line stands after the {initial} points that come first.");
         let legend = chart.legend(self.best_label());
         Some(HtmlFigure::new("Convergence", note, vec![chart.to_svg()]).with_legend(legend))
     }

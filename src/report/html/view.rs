@@ -24,8 +24,9 @@ use crate::wording::{
     trial_warnings, verdict_mark, verdict_word,
 };
 use results::{
-    BlockReport, BlockState, Chosen, Finding, FindingMeasure, GateReport, GateState, Program, RatingReport,
-    RatingState, Recording, Requests, Skip, SuiteReport, TestedController, TrialReport, TrialState, Verdict,
+    BlockReport, BlockResult, BlockState, Chosen, Finding, FindingMeasure, GateReport, GateState, Program,
+    RatingReport, RatingState, Recording, Requests, Skip, SuiteReport, TestedController, TrialReport,
+    TrialState, Verdict,
 };
 use scenario::MetricReference;
 
@@ -103,8 +104,12 @@ struct Counts {
     not_finished: usize,
     /// Trials to which no criterion applied.
     not_judged: usize,
+    /// Searches that expect nothing of what they found.
+    found: usize,
     skipped: usize,
     runs: usize,
+    /// Of searches and tunes.
+    evaluations: usize,
 }
 
 #[derive(Debug, Serialize)]
@@ -286,8 +291,10 @@ impl Counts {
             (BlockState::NotFinished(_), _) => &mut self.not_finished,
             (_, Some(Verdict::Failed)) => &mut self.failed,
             (_, Some(Verdict::Inconclusive)) => &mut self.inconclusive,
-            _ => &mut self.passed,
+            (_, Some(Verdict::Passed)) => &mut self.passed,
+            (_, None) => &mut self.found,
         } += 1;
+        self.evaluations += block.result().map_or(0, BlockResult::evaluations);
     }
 
     fn add(&mut self, trial: &TrialReport) {
@@ -312,7 +319,7 @@ fn suite<'r>(
     drawn: &[Recording],
     animated: &[String],
 ) -> Suite {
-    let mut counts = Counts::default();
+    let mut counts = Counts { evaluations: report.evaluations(), ..Counts::default() };
     report.trials.iter().for_each(|trial| counts.add(trial));
     // In one unit for all trials, which may be filtered and sorted together.
     let criteria = || report.trials.iter().flat_map(|trial| trial.trial.criteria.iter());

@@ -378,7 +378,7 @@ fn block_value(report: &BlockReport) -> Value {
         BlockState::Finished(result) => {
             fields.insert("result".into(), plain(result));
             let failure = result.failure();
-            (verdict_word(result.verdict()), failure)
+            (result.verdict().map_or("found", verdict_word), failure)
         }
         BlockState::Errored(error) => {
             insert_error(fields, error);

@@ -288,8 +288,12 @@ impl BlockOfSuite {
         let BlockRecord { block, cut, skip } = self.record;
         let verdict = self.verdict.as_str();
         let state = match (verdict, self.result, self.message, cut, skip) {
-            ("passed" | "inconclusive" | "failed", Some(result), _, None, None) => {
-                if !says(verdict, result.verdict()) {
+            ("passed" | "inconclusive" | "failed" | "found", Some(result), _, None, None) => {
+                let fits = match result.verdict() {
+                    Some(known) => says(verdict, known),
+                    None => verdict == "found",
+                };
+                if !fits {
                     let what = format!("its verdict is `{verdict}`, and its result says otherwise");
                     return Err(contradiction(&self.key, what));
                 }

@@ -152,6 +152,7 @@ impl Terminal {
             standing,
             Standing::Skipped
                 | Standing::NotJudged
+                | Standing::Found
                 | Standing::Judged(Verdict::Passed)
                 | Standing::NotFinished(CutBy::GateFailed)
         );

@@ -29,6 +29,7 @@ pub enum StatusLevel {
 
 pub const GOOD: Style = AnsiColor::Green.on_default().bold();
 pub const DOUBTFUL: Style = AnsiColor::Yellow.on_default().bold();
+pub const PLAIN: Style = Style::new();
 pub const BAD: Style = AnsiColor::Red.on_default().bold();
 
 /// The level at which such a unit is shown.
@@ -37,7 +38,7 @@ pub fn level(standing: Standing, skip: Option<&Skip>) -> StatusLevel {
         Standing::Skipped if matches!(skip, Some(Skip::Needs { .. })) => StatusLevel::Fail,
         Standing::Skipped if matches!(skip, Some(Skip::Stale(_))) => StatusLevel::Pass,
         Standing::Skipped | Standing::NotFinished(CutBy::GateFailed) => StatusLevel::Skip,
-        Standing::NotJudged | Standing::Judged(Verdict::Passed) => StatusLevel::Pass,
+        Standing::NotJudged | Standing::Found | Standing::Judged(Verdict::Passed) => StatusLevel::Pass,
         Standing::Judged(_) | Standing::NotFinished(_) | Standing::Errored => StatusLevel::Fail,
     }
 }
@@ -46,6 +47,7 @@ pub fn unit_line(standing: Standing, took: Duration, said: &str, colour: bool) -
     let (verb, style) = match standing {
         Standing::Skipped => ("SKIP", DOUBTFUL),
         Standing::NotJudged => ("NOT JUDGED", DOUBTFUL),
+        Standing::Found => ("FOUND", PLAIN),
         Standing::Judged(Verdict::Passed) => ("PASS", GOOD),
         Standing::Judged(Verdict::Inconclusive) => ("INCONCLUSIVE", DOUBTFUL),
         Standing::Judged(Verdict::Failed) => ("FAIL", BAD),
@@ -68,6 +70,7 @@ pub fn mark(standing: Standing) -> (char, Style) {
         Standing::Judged(Verdict::Failed) => ('F', BAD),
         Standing::Judged(Verdict::Inconclusive) => ('?', DOUBTFUL),
         Standing::NotJudged => ('-', DOUBTFUL),
+        Standing::Found => ('-', PLAIN),
         Standing::Skipped | Standing::NotFinished(CutBy::GateFailed) => ('s', DOUBTFUL),
         Standing::NotFinished(CutBy::Interrupted) => ('i', DOUBTFUL),
         Standing::NotFinished(CutBy::TimeLimit) => ('T', BAD),

@@ -80,6 +80,9 @@ impl Lines {
         if blocks > 0 {
             parts.push(count(blocks, "block"));
         }
+        if report.evaluations() > 0 {
+            parts.push(count(report.evaluations(), "evaluation"));
+        }
         let suite = terminal_line(&identity.suite);
         let seed = identity.seed_words();
         self.say(&format!("{suite}: {}, {}\n", parts.join(", "), terminal_line(&seed)));
@@ -179,6 +182,8 @@ struct Standings {
     passed: usize,
     /// Trials to which no criterion applied.
     not_judged: usize,
+    /// Searches that expect nothing of what they found.
+    found: usize,
     failed: usize,
     inconclusive: usize,
     errored: usize,
@@ -197,6 +202,8 @@ struct Standings {
     trials: usize,
     runs: usize,
     blocks: usize,
+    /// Of searches and tunes.
+    evaluations: usize,
 }
 
 impl Standings {
@@ -212,6 +219,7 @@ impl Standings {
             tally.runs += summary.runs();
             tally.untested += report.untested();
             tally.left_road += summary.scenarios.iter().map(|scenario| scenario.left_road).sum::<usize>();
+            tally.evaluations += report.evaluations();
             tally.cut_off += summary.scenarios.iter().map(|scenario| scenario.cut_off).sum::<usize>();
             for StandingCount { standing, skip, trials } in summary.standings() {
                 tally.add(*standing, skip.as_ref(), *trials);
@@ -227,6 +235,7 @@ impl Standings {
     fn add(&mut self, standing: Standing, skip: Option<&Skip>, units: usize) {
         *match standing {
             Standing::NotJudged => &mut self.not_judged,
+            Standing::Found => &mut self.found,
             Standing::Judged(Verdict::Passed) => &mut self.passed,
             Standing::Judged(Verdict::Failed) => &mut self.failed,
             Standing::Judged(Verdict::Inconclusive) => &mut self.inconclusive,
@@ -246,6 +255,9 @@ impl Standings {
         if self.blocks > 0 {
             what.push(count(self.blocks, "block"));
         }
+        if self.evaluations > 0 {
+            what.push(count(self.evaluations, "evaluation"));
+        }
         if self.recorded > 0 {
             what.push(count(self.recorded, "recorded failure"));
         }
@@ -256,6 +268,7 @@ impl Standings {
             (self.errored, "could not be run"),
             (self.timed_out + self.interrupted, "not finished"),
             (self.not_judged, "not judged"),
+            (self.found, "found, not judged"),
             (self.not_run, "not run"),
         ];
         let numbers = numbers.iter().filter(|(number, _)| *number > 0);

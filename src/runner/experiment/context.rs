@@ -91,6 +91,7 @@ pub fn asked_by(suite: &Suite) -> Requests {
     for search in &suite.searches {
         requests.add(search.objective.aggregate.metric());
         search.kept_metrics().for_each(|(keep, _)| requests.add(&keep.metric));
+        requests.include(&search.expect);
     }
     for tune in &suite.tunes {
         tune.objectives.iter().for_each(|objective| requests.add(objective.aggregate.metric()));

@@ -13,9 +13,8 @@ use numbers::summary::mean;
 use results::judge::{Seen, ValueSpan, aggregate, aggregate_against, span_of, undecided};
 use results::{ConditionResult, Difference, EvaluateResult, Outcome, ParameterValue, Requests, SavedCase};
 use scenario::{
-    Aggregate, Case, Comparison, Condition, Evaluate, Measure, MetricKind, MetricReference, ModelSetup,
-    Notation, ParameterKind, ParameterSet, Part, Registered, Relation, Scenario, Target, Value,
-    WhenUndefined, Worst,
+    Aggregate, Case, Comparison, Condition, Evaluate, Measure, MetricKind, MetricReference, Notation,
+    ParameterSet, Relation, Target, Value, WhenUndefined, Worst,
 };
 
 /// Confidence of the intervals of differences.
@@ -131,8 +130,10 @@ impl Series<'_> {
         let scenarios = saved.iter().map(|case| self.context.scenario(&case.scenario));
         let scenarios = scenarios.collect::<Result<Vec<_>, _>>()?;
         let parameter = |target: &Target| {
-            let values =
-                scenarios.iter().zip(&cases).flat_map(|(scenario, case)| resolved(target, scenario, case));
+            let values = scenarios
+                .iter()
+                .zip(&cases)
+                .flat_map(|(scenario, case)| overrides::resolved(target, scenario, case));
             parameter(target, values, given_in)
         };
         result.parameters = targets.iter().map(parameter).collect();
@@ -289,7 +290,7 @@ impl Context<'_> {
                 let result = results.tune(name)?;
                 Ok(match &result.chosen {
                     Some(chosen) => Ok(Setup {
-                        caveat: result.violations.map(|violations| violations.to_string()),
+                        caveat: result.caveat(),
                         ..Setup::of(overrides::settings(&tune.over, &chosen.point))
                     }),
                     None => Err(format!("tune `{name}` chose nothing")),
@@ -344,31 +345,4 @@ fn parameter(
     let (value, unit) = first.map_or((None, String::new()), |(value, unit)| (Some(value), unit));
     let value = value.filter(|_| agreed);
     ParameterValue { target: target.clone(), value, varies: !agreed, unit, notation }
-}
-
-/// What a case of a scenario sets a parameter to, with its unit: of a group, every member.
-fn resolved(target: &Target, scenario: &Scenario, case: &Case) -> Vec<Option<(Value, String)>> {
-    let Target::Setting { road_user, part, parameter } = target else { return vec![None] };
-    if *part == Part::Model {
-        let meant = scenario.pedestrians.iter().filter(|one| one.is(road_user));
-        let named = |name: &str| case.world.pedestrians.iter().find(|one| one.name == name);
-        return meant.map(|one| value_in(&named(&one.name)?.model, parameter)).collect();
-    }
-    let car = case.world.vehicles.iter().find(|one| one.name == *road_user);
-    vec![car.and_then(|car| match part {
-        Part::Controller => value_in(&car.controller, parameter),
-        Part::Dynamics => value_in(&car.dynamics, parameter),
-        _ => value_in(car.sees.as_ref()?, parameter),
-    })]
-}
-
-/// A parameter of a model, with its unit.
-fn value_in<T: Registered>(setup: &ModelSetup<T>, parameter: &str) -> Option<(Value, String)> {
-    let declaration = setup.model.declaration()?;
-    let unit = declaration.parameter(parameter).map(|known| &known.kind);
-    let unit = match unit {
-        Some(ParameterKind::Number { dimension, .. }) => dimension.si_unit(),
-        _ => String::new(),
-    };
-    Some((setup.settings.get(parameter)?.clone(), unit))
 }

@@ -1,7 +1,10 @@
 //! Points of a search space put into a scenario.
 
 use super::error::ExperimentError;
-use scenario::{Assignment, Expression, Part, RangeValues, Scenario, SearchRange, Target, Value};
+use scenario::{
+    Assignment, Case, Expression, ModelSetup, Origin, ParameterKind, Part, RangeValues, Registered, Scenario,
+    SearchRange, Target, Value,
+};
 
 /// The optimiser's dimension for a declared range.
 pub fn dimension(range: &SearchRange) -> optimise::SearchDimension {
@@ -17,6 +20,25 @@ pub fn dimension(range: &SearchRange) -> optimise::SearchDimension {
 /// The space of all declared ranges, in their order.
 pub fn space(ranges: &[SearchRange]) -> Result<optimise::Space, optimise::Error> {
     optimise::Space::new(ranges.iter().map(dimension).collect())
+}
+
+/// The same ranges wherever they are written.
+pub fn without_origins(ranges: &[SearchRange]) -> Vec<SearchRange> {
+    ranges.iter().map(|range| SearchRange { origin: Origin::default(), ..range.clone() }).collect()
+}
+
+/// The coordinate of a range that stands for a value; `None` of a value of another kind.
+pub fn coordinate(range: &SearchRange, value: &Value) -> Option<optimise::Coordinate> {
+    match (&range.values, value) {
+        (RangeValues::Real { .. } | RangeValues::Logarithmic { .. }, Value::Number(number)) => {
+            Some(optimise::Coordinate::Real(*number))
+        }
+        (RangeValues::Whole { .. }, Value::Number(number)) if number.fract() == 0.0 => {
+            Some(optimise::Coordinate::Integer(*number as i64))
+        }
+        (RangeValues::Words(_), Value::Word(word)) => Some(optimise::Coordinate::Category(word.clone())),
+        _ => None,
+    }
 }
 
 /// A value of the optimiser as a value of a scenario.
@@ -98,4 +120,31 @@ fn settings_mut<'a>(
         Part::Controller | Part::Model => Some(&mut vehicle.controller.settings),
     });
     said.into_iter().collect()
+}
+
+/// What a case of a scenario sets a parameter to, with its unit: of a group, every member.
+pub fn resolved(target: &Target, scenario: &Scenario, case: &Case) -> Vec<Option<(Value, String)>> {
+    let Target::Setting { road_user, part, parameter } = target else { return vec![None] };
+    if *part == Part::Model {
+        let meant = scenario.pedestrians.iter().filter(|one| one.is(road_user));
+        let named = |name: &str| case.world.pedestrians.iter().find(|one| one.name == name);
+        return meant.map(|one| value_in(&named(&one.name)?.model, parameter)).collect();
+    }
+    let car = case.world.vehicles.iter().find(|one| one.name == *road_user);
+    vec![car.and_then(|car| match part {
+        Part::Controller => value_in(&car.controller, parameter),
+        Part::Dynamics => value_in(&car.dynamics, parameter),
+        _ => value_in(car.sees.as_ref()?, parameter),
+    })]
+}
+
+/// A parameter of a model, with its unit.
+fn value_in<T: Registered>(setup: &ModelSetup<T>, parameter: &str) -> Option<(Value, String)> {
+    let declaration = setup.model.declaration()?;
+    let unit = declaration.parameter(parameter).map(|known| &known.kind);
+    let unit = match unit {
+        Some(ParameterKind::Number { dimension, .. }) => dimension.si_unit(),
+        _ => String::new(),
+    };
+    Some((setup.settings.get(parameter)?.clone(), unit))
 }

@@ -37,7 +37,7 @@ impl ParameterFile {
                 suite.seed,
                 env!("CARGO_PKG_VERSION")
             ),
-            caveat: result.violations.map(|violations| violations.to_string()),
+            caveat: result.caveat(),
             parameters: overrides::settings(&tune.over, &chosen.point),
         })
     }

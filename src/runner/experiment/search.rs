@@ -17,11 +17,12 @@ use optimise::{
     self, Coordinate, Definition, Evaluation, Fitted, Margin, Method, ObjectiveValue, Optimiser, Proposal,
     SlicePoint,
 };
+use results::judge::judge;
 use results::{
-    CaseRun, CoursePoint, Found, FrontPoint, MetricCourse, Outcome, SavedCase, SavedSet, SearchResult,
-    UsualEncounters,
+    CaseRun, CoursePoint, Finding, Found, FrontPoint, JudgedRun, JudgedSearch, MetricCourse, Outcome,
+    SavedCase, SavedSet, SearchResult, UsualEncounters, Verdict,
 };
-use scenario::{self, Budget, Case, Goal, Keep, Objective, Relation, Search, SearchRange, ShownIn};
+use scenario::{self, Budget, Case, Goal, Keep, Objective, Origin, Relation, Search, SearchRange, ShownIn};
 
 /// What is rarer than this counts as this rare where a search looks among what is usual enough, and what is more by a factor than the
 /// other as that.
@@ -98,18 +99,23 @@ fn run_groups(
         all: groups.len() * search.budget.evaluations as usize,
     };
     let (mut found, mut over) = (Vec::with_capacity(groups.len()), Vec::with_capacity(groups.len()));
+    let mut left = Vec::with_capacity(groups.len());
     for groups in groups.chunks(SIDE_BY_SIDE) {
         let begin = |group: &SearchedPeople| under.begin(group);
         let mut all =
             context.executor.think(|| groups.par_iter().map(begin).collect::<Result<Vec<_>, _>>())?;
         optimise(&under.evaluating, &mut all, &Groups { under: &under, groups })?;
-        found.extend(under.conclude(groups, &all)?);
+        for (one, of_it) in under.conclude(groups, &all)? {
+            found.push(one);
+            left.push(of_it);
+        }
         over.extend(all.into_iter().map(Optimisation::into_record));
     }
     under.follow(&groups, &mut found)?;
     let usual = under.usual(&groups, &mut found)?;
     // Only now: a search that is cut off repeats nobody.
     over.into_iter().for_each(Record::remove);
+    let judged = under.judge(&found, &left);
     let kept = found.iter().flat_map(Found::kept_cases).cloned().collect();
     Ok(SearchResult {
         name: search.name.clone(),
@@ -131,6 +137,7 @@ fn run_groups(
         },
         found,
         usual,
+        judged,
     })
 }
 
@@ -160,6 +167,11 @@ pub(super) fn definition(
     }
 }
 
+/// A budget without what the optimiser's definition says of it already.
+pub(super) fn undecisive(budget: &Budget) -> Budget {
+    Budget { evaluations: 0, initial: 0, ..budget.clone() }
+}
+
 /// What an infeasible evaluation counts as in the reference's method: larger than any time in s.
 const PENALTY: f64 = 1000.0;
 
@@ -175,6 +187,14 @@ struct Under<'a> {
     progress: &'a dyn BlockProgress,
     done: AtomicUsize,
     all: usize,
+}
+
+/// Runs with fresh seeds at the best point of a group.
+#[derive(Debug, Clone, Copy, Default)]
+struct LeftWithFreshSeeds {
+    /// Those that meet every expectation.
+    holding: usize,
+    runs: usize,
 }
 
 /// Groups that are searched for side by side.
@@ -222,16 +242,28 @@ impl Under<'_> {
         let goals = vec![self.search.objective.direction];
         let constraints = self.bounds().count();
         let definition = definition(space, &self.search.budget, goals, constraints, seed);
-        let inputs = (suite.seed, &name, &self.searched.scenario, self.search, group);
+        let inputs = (suite.seed, &name, &self.searched.scenario, self.decisive(), group);
         Optimisation::begin(self.context, &name, &inputs, definition, self.search.budget.batch as usize)
     }
 
-    /// What was found for each of the groups, whose best points are run again and with fresh seeds.
+    /// What of the search decides its evaluations, besides the definition of its optimiser.
+    fn decisive(&self) -> Search {
+        Search {
+            doc: None,
+            over: overrides::without_origins(&self.search.over),
+            budget: undecisive(&self.search.budget),
+            expect: Vec::new(),
+            origin: Origin::default(),
+            ..self.search.clone()
+        }
+    }
+
+    /// What was found for each of the groups, whose best points are run again; with what of it is left with fresh seeds.
     fn conclude(
         &self,
         groups: &[SearchedPeople],
         all: &[Optimisation],
-    ) -> Result<Vec<Found>, ExperimentError> {
+    ) -> Result<Vec<(Found, LeftWithFreshSeeds)>, ExperimentError> {
         let context = self.context;
         let each = |(group, one): (&SearchedPeople, &Optimisation)| self.conclude_one(group, &one.optimiser);
         let mut found = context.executor.think(|| groups.par_iter().zip(all).map(each).collect::<Vec<_>>());
@@ -246,7 +278,8 @@ impl Under<'_> {
         let cases = cases.into_iter().collect::<Result<Vec<_>, ExperimentError>>()?.concat();
         let mut outcomes = context.run_all(1, &cases.concat())?.into_iter();
         let mut cases = cases.iter();
-        for (one, found) in all.iter().zip(&mut found) {
+        let mut all_left = vec![LeftWithFreshSeeds::default(); found.len()];
+        for ((one, found), left) in all.iter().zip(&mut found).zip(&mut all_left) {
             let Some(best) = one.optimiser.best_observed() else { continue };
             let mut next = || {
                 let cases = cases.next().expect("there are two of each that has a best point");
@@ -260,8 +293,41 @@ impl Under<'_> {
             found.fresh = self.objective(context, &fresh).0;
             let decided = context.seen(self.search.objective.aggregate.metric(), &fresh);
             found.fresh_runs = decided.iter().filter(|one| one.is_value()).count() as u32;
+            let holding = fresh.iter().filter(|run| self.meets_expectations(run)).count();
+            *left = LeftWithFreshSeeds { holding, runs: fresh.len() };
         }
-        Ok(found)
+        Ok(found.into_iter().zip(all_left).collect())
+    }
+
+    /// What every criterion says of a run by itself.
+    fn findings(&self, run: &Outcome) -> Vec<Finding> {
+        judge(&self.search.expect, std::slice::from_ref(run), self.context.requests()).findings
+    }
+
+    fn meets_expectations(&self, run: &Outcome) -> bool {
+        self.findings(run).iter().all(|finding| finding.verdict == Verdict::Passed)
+    }
+
+    /// The runs that are kept against what is expected of them, each by itself; the best observed ones where nothing is kept. What is left
+    /// with fresh seeds stands beside it and decides nothing.
+    fn judge(&self, found: &[Found], left: &[LeftWithFreshSeeds]) -> Option<JudgedSearch> {
+        if self.search.expect.is_empty() {
+            return None;
+        }
+        let of_kept = found.iter().any(|one| one.kept.contains(&true));
+        let mut runs = Vec::new();
+        for (index, (one, left)) in found.iter().zip(left).enumerate() {
+            let point: Vec<Coordinate> = one.best.iter().flatten().map(|(_, value)| value.clone()).collect();
+            let judged = one.runs.iter().zip(&one.kept).filter(|(_, kept)| **kept || !of_kept);
+            runs.extend(judged.map(|(run, _)| JudgedRun {
+                key: named_at(&run.case.key, &point),
+                found: index,
+                findings: self.findings(&run.outcome),
+                fresh_holding: left.holding,
+                fresh_runs: left.runs,
+            }));
+        }
+        Some(JudgedSearch { of_kept, runs })
     }
 
     /// What the optimiser found, of which nothing is run yet.

@@ -7,6 +7,7 @@ use super::error::ExperimentError;
 use super::evaluate;
 use super::needs::measured_by;
 use crate::plan::variables;
+use optimise::Coordinate;
 use results::judge::{ValueSpan, open_runs, untested_by};
 use results::{ClaimResult, ClaimValues, Conclusion, Outcome, StatementResult, TrendPoint, Untested};
 use scenario::{
@@ -157,9 +158,11 @@ impl Court<'_> {
                 let value = match (&result.chosen, place) {
                     (None, _) => Err(format!("tune `{tune}` chose nothing")),
                     (_, None) => Err(format!("tune `{tune}` does not tune `{parameter}`")),
-                    (Some(chosen), Some(place)) => chosen.point[place]
-                        .number()
-                        .ok_or_else(|| format!("`{parameter}` of `{tune}` is not a number")),
+                    (Some(chosen), Some(place)) => chosen
+                        .point
+                        .get(place)
+                        .and_then(Coordinate::number)
+                        .ok_or_else(|| format!("`{parameter}` of `{tune}` is not one number")),
                 };
                 let declared = self.context.suite.tunes.iter().find(|one| one.name == *tune);
                 let range = declared.and_then(|tune| tune.over.iter().find(|range| range.target == *target));

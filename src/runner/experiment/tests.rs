@@ -169,6 +169,7 @@ fn suite() -> Suite {
         budget: budget(9),
         runs: 1,
         keep: vec![keep("pet", Relation::Less, 100.0)],
+        expect: Vec::new(),
         origin: Origin::default(),
     };
     let tune = Tune {
@@ -188,6 +189,7 @@ fn suite() -> Suite {
         fresh: 0,
         early_stop: true,
         otherwise_fewest_violations: false,
+        tries: Vec::new(),
         compare_with_default: true,
         origin: Origin::default(),
     };

@@ -17,6 +17,7 @@ mod lockstep;
 mod messagepack;
 mod name;
 mod panic;
+mod program_build;
 mod program_run;
 mod rehearsal;
 mod remembered;
@@ -48,6 +49,7 @@ pub use job::{
 };
 pub(crate) use messagepack::to_messagepack;
 pub use panic::{Panicked, note_places};
+pub use program_build::Build;
 pub(crate) use rehearsal::{Obstacle, Rehearsal, Stage, rehearse, rehearse_trials};
 pub(crate) use remembered::Remembered;
 pub use run_digest::{RunDigest, RunDigests};

@@ -19,7 +19,7 @@ pub enum Usable {
         /// In the order of the trial.
         runs: Vec<(Case, Outcome)>,
     },
-    /// A block that came to a result and did not fail.
+    /// A block that came to a result that others can build on.
     Block {
         /// As the suite calls it.
         name: String,
@@ -41,7 +41,7 @@ impl Usable {
                 })
             }
             UnitReport::Block(report) => {
-                let result = report.result().filter(|result| result.failure().is_none())?;
+                let result = report.result().filter(|result| result.is_usable())?;
                 Some(Self::Block { name: report.block.name().to_string(), result: Box::new(result.clone()) })
             }
         }

@@ -5,11 +5,11 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::build::Build;
 use super::error::ShardError;
 use super::manifest::{ManifestHeader, PlannedProgram, UnitBatch};
 use super::sealed::{SealedReader, SealedWriter, parse, parse_first, wrong};
 use super::slices::SliceRuns;
+use crate::run::Build;
 use crate::run::{RunDigest, StoredRun};
 use files::{base64, from_base64};
 

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use super::build::Build;
+use crate::run::Build;
 
 /// Why nothing is made of a manifest or of results.
 #[derive(Debug, Error)]

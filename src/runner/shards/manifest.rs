@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::build::Build;
 use super::error::ShardError;
 use super::planned_unit::{PlannedUnit, UnitPart};
 use super::sealed::{SealedReader, SealedWriter, digest_of, parse, parse_first, wrong};
+use crate::run::Build;
 use crate::session::Units;
 use scenario::TextDigest;
 

@@ -4,7 +4,6 @@
 //! and judges nothing. A session over the results is the same session as on one machine, with an executor that answers from files.
 
 mod batch_file;
-mod build;
 mod canary;
 mod error;
 mod execute;
@@ -20,7 +19,7 @@ mod unit_journal;
 mod unit_runs;
 mod whole_units;
 
-pub use build::Build;
+pub use crate::run::Build;
 pub use canary::canary;
 pub use error::ShardError;
 pub use execute::{BatchProgress, Executed, Execution};

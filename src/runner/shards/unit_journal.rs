@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use serde::{Deserialize, Serialize};
 
-use super::build::Build;
+use crate::run::Build;
 use crate::run::{RunDigest, StoredRun};
 use files::{Disk, Files, Log, LogError, LogFormat, LogTail, base64, from_base64};
 

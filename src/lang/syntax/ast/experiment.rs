@@ -2,10 +2,10 @@
 
 use super::super::entry::{BlockEntry, BlockKind, StatementEntry, YamlShape, statement};
 use super::{
-    Aggregate, Condition, Confidence, Doc, Expression, Individuals, Integer, List, Metric, Name, Population,
-    Quantity, Rate, Reference, Relation, Repeat, SettingName, Text, Undefined, When,
+    Aggregate, Condition, Confidence, Doc, Expect, Expression, Individuals, Integer, List, Metric, Name,
+    Population, Quantity, Rate, Reference, Relation, Repeat, SettingName, Text, Undefined, When,
 };
-use super::{DOC, INDIVIDUAL, INDIVIDUALS, REPEAT};
+use super::{DOC, EXPECT, INDIVIDUAL, INDIVIDUALS, REPEAT};
 #[cfg(test)]
 use super::{Holds, Made};
 use super::{Node, Rule, View};
@@ -23,6 +23,7 @@ views! {
         budget: (Budget),
         repeat: (Repeat),
         keep: (Keep),
+        expects: [Expect],
     }
     /// `in SCENARIO`
     SearchIn = search_in { name: Name }
@@ -40,11 +41,14 @@ views! {
         objectives: [Measure],
         constraints: [Constraints],
         budget: (Budget),
+        tries: [Try],
         fresh_seeds: (FreshSeeds),
         stop_early: (StopEarly),
         otherwise: (Otherwise),
         compare: (Compare),
     }
+    /// `try { braking_distance: 8 m }`
+    Try = try_values { set: ParameterSet }
     /// `subject to …`
     Constraints = constraints { each: [Constraint] }
     StopEarly = stop_early {}
@@ -360,6 +364,7 @@ pub static SEARCH_BLOCK: BlockEntry = BlockEntry {
             "Which of the worst cases belong to the set that the search makes: by what is measured, and by how usual the encounter is.",
         )
         .key("keep", YamlShape::Words),
+        EXPECT.repeats(),
     ],
 };
 
@@ -382,6 +387,14 @@ pub static TUNE_BLOCK: BlockEntry = BlockEntry {
         .key("subject_to", YamlShape::Commas)
         .repeats(),
         BUDGET.needed("budget", "budget 60 evaluations, 15 random first"),
+        statement(
+            "try",
+            Rule::try_values,
+            "try { braking_distance: 8 m }",
+            "A candidate of your own, evaluated after what is declared and before all others; what it leaves out is as declared.",
+        )
+        .key("try", YamlShape::ParameterSets)
+        .repeats(),
         FRESH_SEEDS,
         statement(
             "stop early",

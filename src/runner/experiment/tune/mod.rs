@@ -1,0 +1,207 @@
+//! `tune`: controller parameters that are best on a set of cases, under constraints that hold in every run.
+
+mod candidates;
+mod last_check;
+mod under_way;
+
+use std::sync::atomic::AtomicUsize;
+
+use super::context::{BlockProgress, Context};
+use super::earlier::EarlierResults;
+use super::error::ExperimentError;
+use super::overrides;
+use super::rounds::{Optimisation, optimise};
+use super::search::{self, definition, undecisive};
+use candidates::{Evaluated, First};
+use numbers::random::derive_seed;
+use optimise::{Optimiser, non_dominated};
+use results::{BeforeAndAfter, TuneResult, Violations};
+use scenario::{Goal, Objective, Origin, SearchRange, ShownIn, Target, Tune, Value};
+use under_way::TuneUnderWay;
+
+/// Runs one tune to its end. `results` holds the searches that its cases come from.
+///
+/// # Errors
+/// Whatever keeps it from a result; that no candidate is feasible is a result.
+pub fn run_tune(
+    context: &Context,
+    tune: &Tune,
+    results: &EarlierResults,
+    progress: &dyn BlockProgress,
+) -> Result<TuneResult, ExperimentError> {
+    let cases = context.case_set(&tune.on, &tune.name, results)?;
+    let looked_at = tune.objectives.iter().map(|objective| objective.aggregate.metric());
+    let constrained = tune.constraints.iter().map(|constraint| &constraint.metric);
+    let evaluating = context.reading_only(looked_at.chain(constrained));
+    let under = TuneUnderWay { context, evaluating, tune, cases, progress, done: AtomicUsize::new(0) };
+    under.run()
+}
+
+impl TuneUnderWay<'_> {
+    fn run(&self) -> Result<TuneResult, ExperimentError> {
+        let (suite, tune) = (self.context.suite, self.tune);
+        let name = format!("{}/{}", suite.name, tune.name);
+        let goals = tune.objectives.iter().map(|objective| objective.direction).collect();
+        let space = overrides::space(&tune.over)?;
+        let first = self.evaluate_first()?;
+        let seed = derive_seed(suite.seed, &name);
+        let definition = definition(space, &tune.budget, goals, tune.constraints.len(), seed);
+        let batch = tune.budget.batch as usize;
+        let inputs = (suite.seed, &suite.scenarios, &suite.supporting, self.decisive(), &self.cases);
+        let mut optimisation = Optimisation::begin(self.context, &name, &inputs, definition, batch)?;
+        let told = tell(&first, &mut optimisation.optimiser)?;
+        let mut only = [optimisation];
+        optimise(&self.evaluating, &mut only, self)?;
+        let [optimisation] = only;
+        let candidates = self.candidates(first, &told, &optimisation.optimiser);
+        let result = self.conclude(&candidates, &optimisation.optimiser)?;
+        let record = optimisation.into_record();
+        // A program may be another one by the time that somebody asks for more.
+        if suite.controllers.is_empty() {
+            record.keep()
+        } else {
+            record.remove()
+        }
+        Ok(result)
+    }
+
+    /// What of the tune decides its evaluations, besides the definition of its optimiser.
+    fn decisive(&self) -> Tune {
+        Tune {
+            doc: None,
+            over: overrides::without_origins(&self.tune.over),
+            budget: undecisive(&self.tune.budget),
+            compare_with_default: false,
+            origin: Origin::default(),
+            ..self.tune.clone()
+        }
+    }
+
+    /// The candidate with which the fewest runs violate a constraint; of several the one with the best first objective,
+    /// then the earliest. Every candidate is run once more, because nothing else needs its single runs.
+    fn fewest_violations(
+        &self,
+        candidates: &[Evaluated],
+    ) -> Result<Option<(usize, Violations)>, ExperimentError> {
+        let worth = |index: usize| {
+            let value = candidates[index].evaluation.objectives[0].value.unwrap_or(f64::INFINITY);
+            match self.tune.objectives[0].direction {
+                Goal::Maximise if value.is_finite() => -value,
+                _ => value,
+            }
+        };
+        let mut fewest: Option<(usize, Violations)> = None;
+        for (index, candidate) in candidates.iter().enumerate() {
+            let outcomes = self.evaluating.run_all(1, &self.runs_with(&candidate.settings, false)?)?;
+            let violations = self.violations(&outcomes);
+            let is_less = |(best, least): &(usize, Violations)| {
+                violations.runs.cmp(&least.runs).then(worth(index).total_cmp(&worth(*best))).is_lt()
+            };
+            if fewest.as_ref().is_none_or(is_less) {
+                fewest = Some((index, violations));
+            }
+        }
+        Ok(fewest)
+    }
+
+    fn conclude(
+        &self,
+        candidates: &[Evaluated],
+        optimiser: &Optimiser,
+    ) -> Result<TuneResult, ExperimentError> {
+        let tune = self.tune;
+        let fitted = optimiser.fitted().ok();
+        let front = if tune.objectives.len() > 1 { self.front(candidates) } else { Vec::new() };
+        let mut chosen = None;
+        let (mut change, mut violations, mut fresh_violations) = (None, None, Vec::new());
+        if tune.objectives.len() == 1
+            && let Some(choice) = self.choose(candidates, fitted.as_ref())?
+        {
+            chosen = Some(choice.index);
+            change = choice.change;
+            fresh_violations.push(choice.fresh);
+        } else if front.is_empty() && tune.otherwise_fewest_violations {
+            let (index, fewest) = self.fewest_violations(candidates)?.unzip();
+            (chosen, violations) = (index, fewest);
+            if let Some(index) = index {
+                fresh_violations.push(self.fresh_violations(&candidates[index])?);
+            }
+        }
+        for index in &front {
+            fresh_violations.push(self.fresh_violations(&candidates[*index])?);
+        }
+        if tune.constraints.is_empty() {
+            fresh_violations.clear();
+        }
+        let chosen = chosen.map(|index| &candidates[index]);
+        let best = chosen.map(Evaluated::candidate);
+        let slices = best.as_ref().map(|best| search::slices(fitted.as_ref(), &best.point));
+        let comparison = match chosen.filter(|_| tune.compare_with_default) {
+            Some(chosen) => Some(self.compare(&chosen.settings)?),
+            None => None,
+        };
+        let written =
+            || tune.constraints.iter().enumerate().map(|(index, one)| (one, tune.constraint_in(index)));
+        let constraints = || written().map(|(one, unit)| one.text(unit)).collect();
+        let objective_in = |one: &Objective| ShownIn::new(one.notation, &one.aggregate.unit());
+        Ok(TuneResult {
+            name: tune.name.clone(),
+            objectives: tune.objectives.iter().map(|objective| objective.text.clone()).collect(),
+            constraints: constraints(),
+            cases: self.cases.len(),
+            fresh: tune.fresh,
+            parameters: tune.over.iter().map(|range| range.target.to_string()).collect(),
+            shown_in: tune.over.iter().map(SearchRange::shown_in).collect(),
+            objectives_in: tune.objectives.iter().map(objective_in).collect(),
+            margins_in: written().map(|(one, unit)| ShownIn::new(unit, &one.metric.unit())).collect(),
+            chosen: best,
+            change,
+            violations,
+            pareto: front.iter().map(|index| candidates[*index].candidate()).collect(),
+            fresh_violations,
+            evaluations: candidates.iter().map(Evaluated::candidate).collect(),
+            stop: optimiser.stop_reason(),
+            slices: slices.unwrap_or_default(),
+            comparison,
+        })
+    }
+
+    /// The feasible candidates that no other beats in every objective, in order.
+    fn front(&self, candidates: &[Evaluated]) -> Vec<usize> {
+        let vector = |one: &Evaluated| -> Option<Vec<f64>> {
+            let each = self.tune.objectives.iter().zip(&one.evaluation.objectives);
+            each.map(|(objective, value)| match objective.direction {
+                Goal::Minimise => value.value,
+                Goal::Maximise => value.value.map(|value| -value),
+            })
+            .collect()
+        };
+        let feasible = candidates.iter().enumerate().filter(|(_, one)| one.evaluation.is_feasible());
+        let (indices, vectors): (Vec<usize>, Vec<Vec<f64>>) =
+            feasible.filter_map(|(index, one)| Some((index, vector(one)?))).unzip();
+        non_dominated(&vectors).into_iter().map(|place| indices[place]).collect()
+    }
+
+    fn compare(&self, chosen: &[(Target, Value)]) -> Result<BeforeAndAfter, ExperimentError> {
+        let summaries = |settings: &[(Target, Value)], fresh| -> Result<_, ExperimentError> {
+            let cases = self.runs_with(settings, fresh)?;
+            Ok(self.context.summaries(&self.context.run_all(1, &cases)?))
+        };
+        Ok(BeforeAndAfter {
+            shown_in: self.context.summaries_in(),
+            before: summaries(&[], false)?,
+            after: summaries(chosen, false)?,
+            before_fresh: summaries(&[], true)?,
+            after_fresh: summaries(chosen, true)?,
+        })
+    }
+}
+
+/// Tells the optimiser of those that are within its space; gives the number of each.
+fn tell(first: &[First], optimiser: &mut Optimiser) -> Result<Vec<Option<u64>>, optimise::Error> {
+    let space = optimiser.definition().space.clone();
+    let one = |one: &First| {
+        one.within(&space).map(|point| optimiser.observe(point, one.evaluation().clone())).transpose()
+    };
+    first.iter().map(one).collect()
+}

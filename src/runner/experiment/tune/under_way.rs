@@ -1,0 +1,113 @@
+//! One tune under way: the runs of its candidates, and what they come to.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use crate::experiment::context::{BlockProgress, Context};
+use crate::experiment::error::ExperimentError;
+use crate::experiment::overrides;
+use crate::experiment::rounds::EvaluateRound;
+use numbers::random::derive_seed;
+use optimise::{Evaluation, Margin, ObjectiveValue, Proposal};
+use results::{Outcome, SavedCase, Violations};
+use scenario::{Case, Objective, Target, Tune, Value};
+
+/// Cases of a candidate that may run ahead of the search for a violation. What comes after one is not counted, so that this
+/// number changes nothing but the time it takes.
+const AHEAD: usize = 8;
+
+/// One tune under way.
+pub struct TuneUnderWay<'a> {
+    pub context: &'a Context<'a>,
+    /// For the evaluations, of which nothing but objectives and constraints is kept: what is shown is run again.
+    pub evaluating: Context<'a>,
+    pub tune: &'a Tune,
+    pub cases: Vec<SavedCase>,
+    pub progress: &'a dyn BlockProgress,
+    pub done: AtomicUsize,
+}
+
+impl EvaluateRound for TuneUnderWay<'_> {
+    fn cases(&self, _: usize, proposal: &Proposal) -> Result<Vec<Case>, ExperimentError> {
+        self.runs_with(&overrides::settings(&self.tune.over, &proposal.point), false)
+    }
+
+    fn values(&self, proposal: &Proposal) -> String {
+        overrides::in_words(&self.tune.over, &proposal.point)
+    }
+
+    /// Algorithm 1 of the founding paper: the cases one after the other, and the first violation ends the candidate.
+    fn is_enough(&self, outcomes: &[Outcome]) -> bool {
+        let ends_early = self.tune.early_stop && !self.tune.constraints.is_empty();
+        ends_early && outcomes.last().is_some_and(|last| self.violated(std::slice::from_ref(last)))
+    }
+
+    fn ahead(&self) -> usize {
+        if self.tune.early_stop { AHEAD } else { usize::MAX }
+    }
+
+    fn evaluation(&self, _: &[Case], outcomes: &[Outcome], abandoned: bool) -> Evaluation {
+        self.evaluation_of(outcomes, abandoned)
+    }
+
+    fn evaluated(&self, evaluation: &Evaluation) {
+        self.note(evaluation);
+    }
+}
+
+impl TuneUnderWay<'_> {
+    /// What the runs of a candidate come to.
+    pub fn evaluation_of(&self, outcomes: &[Outcome], abandoned: bool) -> Evaluation {
+        let objective = |objective: &Objective| {
+            let (value, noise_variance) =
+                self.evaluating.objective(&objective.aggregate, objective.direction, outcomes);
+            // Of a part of the set an objective says nothing.
+            let value = value.filter(|_| !abandoned);
+            ObjectiveValue { value, noise_variance: noise_variance.filter(|_| value.is_some()) }
+        };
+        let margin =
+            |constraint| Margin { value: self.evaluating.margin(constraint, outcomes), censored: abandoned };
+        Evaluation {
+            objectives: self.tune.objectives.iter().map(objective).collect(),
+            margins: self.tune.constraints.iter().map(margin).collect(),
+            repetitions: 1,
+        }
+    }
+
+    /// Tells how far the tune is, after an evaluation.
+    pub fn note(&self, evaluation: &Evaluation) {
+        let done = self.done.fetch_add(1, Ordering::Relaxed) + 1;
+        let best = evaluation.objectives[0].value.filter(|_| evaluation.keeps_constraints());
+        let all = 1 + self.tune.tries.len() + self.tune.budget.evaluations as usize;
+        self.progress.evaluated(done, all, best);
+    }
+
+    fn violated(&self, outcomes: &[Outcome]) -> bool {
+        let margin = |constraint| self.evaluating.margin(constraint, outcomes);
+        self.tune.constraints.iter().any(|one| margin(one).is_none_or(|margin| margin < 0.0))
+    }
+
+    /// In how many runs a constraint is violated.
+    pub fn violations(&self, outcomes: &[Outcome]) -> Violations {
+        let violated = outcomes.iter().filter(|outcome| self.violated(std::slice::from_ref(*outcome)));
+        Violations { runs: violated.count(), of: outcomes.len() }
+    }
+
+    /// The set's cases with these settings: under the same seeds for every candidate, or `again` under others.
+    pub fn runs_with(&self, settings: &[(Target, Value)], again: bool) -> Result<Vec<Case>, ExperimentError> {
+        let suite = self.context.suite;
+        let mut cases = Vec::with_capacity(self.cases.len() * self.tune.fresh.max(1) as usize);
+        for (index, saved) in self.cases.iter().enumerate() {
+            let key = format!("{}/{}/case={}", suite.name, self.tune.name, index + 1);
+            for run in 1..=self.tune.fresh.max(1) {
+                let (key, named) = match self.tune.fresh {
+                    0 => (key.clone(), again.then(|| format!("{key}/fresh"))),
+                    _ if again => (format!("{key}/fresh={run}"), Some(format!("{key}/again={run}"))),
+                    _ => (format!("{key}/fresh={run}"), Some(format!("{key}/fresh={run}"))),
+                };
+                let seed = named.map(|name| derive_seed(suite.seed, &name));
+                cases.push(self.context.revive(saved, settings, key, seed)?);
+            }
+        }
+        Ok(cases)
+    }
+}
