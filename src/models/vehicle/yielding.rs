@@ -468,13 +468,14 @@ mod tests {
     fn stops_behind_a_vehicle_that_stands_before_its_line() {
         let mut track = track(&[]);
         track.place_pedestrian(60.0, -2.5);
+        let mut follows = false;
         for _ in 0..1600 {
             track.see_vehicle(40.0 - track.motion.travelled, 0.0);
-            track.advance();
+            follows |= track.advance().mode == "following";
         }
         let gap = 40.0 - 2.25 - track.front();
-        assert!((1.9..2.6).contains(&gap) && track.motion.speed < 0.05, "{gap}");
-        assert_eq!(track.controller.mode(), "following");
+        assert!((1.7..2.3).contains(&gap) && track.motion.speed < 0.05, "{gap}");
+        assert!(follows);
     }
 
     #[test]

@@ -8,7 +8,6 @@ mod light;
 mod obstacle;
 mod speed_controller;
 
-use super::hazard::TIE;
 use super::red_light;
 use super::{CommandKind, ControllerContext, ControllerModel};
 use declaration::KMH;
@@ -136,7 +135,7 @@ impl Controller for CarlaBehavior {
         let mut wanted = self.wanted_speed(observation);
         let walker = self.obstacle.walker(observation);
         let vehicle = self.obstacle.vehicle(observation);
-        let too_near = |distance: f64| distance < self.braking_distance - TIE;
+        let too_near = |distance: f64| distance < self.braking_distance;
         if walker.is_some_and(too_near) || vehicle.is_some_and(|lead| too_near(lead.distance)) {
             // The speed controller is not asked, so its memory stays as it is.
             self.mode = "emergency_stop";
