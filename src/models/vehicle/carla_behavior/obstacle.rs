@@ -9,7 +9,6 @@ use scenario::{Settings, Shape};
 use sim::{EgoState, Observation};
 
 use super::declaration::KMH;
-use crate::vehicle::hazard::TIE;
 
 pub struct ObstacleTest {
     distances: Distances,
@@ -86,8 +85,7 @@ impl ObstacleTest {
                 ),
                 Distances::Clean => (f64::INFINITY, f64::INFINITY),
             };
-            if walker.position.norm() >= radius - TIE || !self.beside(observation, walker.position.y, extent)
-            {
+            if walker.position.norm() >= radius || !self.beside(observation, walker.position.y, extent) {
                 return None;
             }
             let gap = gap_within(ego, walker.position, reach, self.walker_cone)?;
@@ -116,7 +114,7 @@ impl ObstacleTest {
                 }
                 Distances::Clean => f64::INFINITY,
             };
-            let in_lane = vehicle.position.y.abs() <= observation.road.lane_width / 2.0 + TIE;
+            let in_lane = vehicle.position.y.abs() <= observation.road.lane_width / 2.0;
             if vehicle.position.norm() >= self.vehicle_radius || !in_lane {
                 return None;
             }
@@ -147,7 +145,7 @@ impl ObstacleTest {
             Lateral::Lane => observation.road.lane_width / 2.0,
             Lateral::Polygon => observation.ego.width / 2.0 + extent,
         };
-        y.abs() <= half_width + TIE
+        y.abs() <= half_width
     }
 }
 
@@ -158,7 +156,7 @@ fn gap_within(ego: &EgoState, place: Vector2<f64>, reach: f64, cone: f64) -> Opt
     if gap < 0.001 {
         return Some(gap);
     }
-    (gap <= reach + TIE && libm::atan2(place.y.abs(), ahead) < cone).then_some(gap)
+    (gap <= reach && libm::atan2(place.y.abs(), ahead) < cone).then_some(gap)
 }
 
 /// The larger half extent of a walker's box, m.
