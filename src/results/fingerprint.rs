@@ -235,6 +235,8 @@ impl Mixture {
             kept: _,
             // Out of the evaluations and their points.
             usual: _,
+            // They have no value.
+            left_out: _,
         } = search;
         self.count(found.len());
         found.iter().for_each(|found| self.found(found));

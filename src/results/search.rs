@@ -28,6 +28,14 @@ pub struct SearchResult {
     /// What is known of how usual its encounters are; `None` where nothing is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub usual: Option<UsualEncounters>,
+    /// How many runs of its evaluations are left out, since there are no such encounters: somebody appears inside another body, or would
+    /// have to appear before the run begins.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub left_out: usize,
+}
+
+fn is_zero(number: &usize) -> bool {
+    *number == 0
 }
 
 /// How bad encounters are against how usual they are.

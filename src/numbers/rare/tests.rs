@@ -47,6 +47,34 @@ fn mean_and_error(values: &[f64]) -> (f64, f64) {
     (mean, crate::summary::std(values).unwrap() / (values.len() as f64).sqrt())
 }
 
+/// Of runs that are drawn as they are it is as if those that are left out had not been made.
+#[test]
+fn what_is_left_out_is_no_part_of_what_a_probability_is_of() {
+    let space = space(1);
+    let estimate = |left_out: &[usize]| {
+        let mut method = CrudeSampling::new(space.clone(), 2000, 7);
+        told(&mut method, |one, _| RareOutcome { event: one.point[0] < 0.1, score: one.point[0] });
+        RareEstimate::of(&space, &leaving_out(method.replicates(), left_out), RareScale::Exact)
+    };
+    let (all, none) = (estimate(&[]), vec![]);
+    assert_eq!(leaving_out(&[], &none), []);
+    // The half that is left out has no event in it.
+    let without: Vec<usize> = {
+        let mut method = CrudeSampling::new(space.clone(), 2000, 7);
+        let (mut number, mut found) = (0, Vec::new());
+        told(&mut method, |one, _| {
+            found.extend((one.point[0] >= 0.5).then_some(number));
+            number += 1;
+            RareOutcome { event: false, score: 1.0 }
+        });
+        found
+    };
+    let kept = estimate(&without);
+    assert_eq!(kept.nominal, (2000 - without.len() as u64, all.nominal.1));
+    assert!((kept.value - all.nominal.1 as f64 / kept.nominal.0 as f64).abs() < 1e-12, "{}", kept.value);
+    assert!((0.17..0.23).contains(&kept.value) && (0.08..0.12).contains(&all.value));
+}
+
 #[derive(Default, Debug)]
 struct Counted {
     refused: u64,

@@ -79,6 +79,7 @@ impl EvaluateRound for Under<'_> {
             objectives: self.tune.objectives.iter().map(objective).collect(),
             margins: self.tune.constraints.iter().map(margin).collect(),
             repetitions: 1,
+            left_out: 0,
         }
     }
 
