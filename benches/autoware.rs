@@ -41,6 +41,7 @@ fn controller() -> Box<dyn Controller> {
         road: 0,
         lane: 0,
         speed: CRUISE,
+        initial_speed: None,
         start: VehicleStart::Distance(60.0),
         behind: 0.0,
         sees: None,

@@ -104,6 +104,7 @@ fn world() -> World {
             road: 0,
             lane: 0,
             speed: 10.0,
+            initial_speed: None,
             start: VehicleStart::Distance(80.0),
             behind: 0.0,
             sees: None,

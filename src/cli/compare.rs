@@ -8,6 +8,7 @@ use super::interrupt::stop_on_interrupt;
 use super::programs::{ProgramArguments, VerifyArguments};
 use super::set::SetArguments;
 use super::{Exit, measured, parameters};
+use files::escape::{shell_path, shell_word};
 use report::console::{stderr, stdout};
 use report::{gate_markdown, render_gate};
 use results::judge::baseline::{Baseline, Incompatible, pair};
@@ -208,7 +209,8 @@ fn judged(
         let sides = [&candidate, &base].into_iter().filter_map(|side| side.suite.as_ref());
         let verdict = judge_paired(gate, &pairing).map_err(refuse)?;
         let replays = candidate.suite.is_some() && candidate.as_declared;
-        let again = || format!("{} --seed {}{}", candidate.file, after.seed, set_options(&after.set));
+        let file = || shell_path(&candidate.file);
+        let again = || format!("{} --seed {}{}", file(), after.seed, set_options(&after.set));
         let verdict = sides.into_iter().fold(verdict, |verdict, suite| verdict.written_as(suite));
         verdicts.push((verdict, replays.then(again)));
     }
@@ -286,7 +288,10 @@ fn print(arguments: &CompareArguments, verdicts: &[(GateVerdict, Option<String>)
         if index > 0 {
             writeln!(stdout());
         }
-        let replay = |key: &str| file.as_ref().map(|file| format!("scenario-runner replay '{key}' {file}"));
+        let replay = |key: &str| {
+            let again = |file: &String| format!("scenario-runner replay {} {file}", shell_word(key));
+            file.as_ref().map(again)
+        };
         match arguments.format {
             Format::Markdown => write!(stdout(), "{}", gate_markdown(verdict, &replay)),
             _ => stdout().styled(&render_gate(verdict, &replay, arguments.all, colour)),

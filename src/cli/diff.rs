@@ -12,7 +12,7 @@ use super::load;
 use super::one_case::{FoundCase, KeyArguments, could_not_run, look_for, values};
 use super::run::targets;
 use super::set::SetArguments;
-use files::escape::shell_word;
+use files::escape::{shell_path, shell_word};
 use lang::{Override, Replacement, Style};
 use report::console::{stderr, stdout};
 use report::{
@@ -337,7 +337,8 @@ fn beside_baseline(
         writeln!(stderr(), "help: {help}");
         Exit::Baseline
     };
-    let record = || format!("scenario-runner baseline save {} --out {}", files.join(" "), path.display());
+    let named = || shell_path(&path.to_string_lossy());
+    let record = || format!("scenario-runner baseline save {} --out {}", paths(files), named());
     let baseline = Baseline::read(path).map_err(|error| refused(error.to_string(), error.hint(&record())))?;
     let baseline = baseline.resolved(registry);
     let project = opened(arguments, files, Some(1), registry, &mut BTreeSet::new())?;
@@ -360,13 +361,15 @@ fn beside_baseline(
         Ok(ran) => ran.outcome,
         Err(error) => return Ok(could_not_run(&error)),
     };
+    // As it is called where its suite is alone.
+    let outcome = results::Outcome { key: suite.suite.own_key(&outcome.key).to_string(), ..outcome };
     let against = against_baseline(&baseline, &suite.plan.suite, &trial, &outcome, &measured.requests);
     let against = against.map_err(|error| {
         let help = match &error {
             NotKept::Noise { seed, .. } => {
                 format!("`--seed {seed}` runs it on that noise; or record anew with `{}`", record())
             }
-            _ => format!("`scenario-runner baseline show {}` lists its runs", path.display()),
+            _ => format!("`scenario-runner baseline show {}` lists its runs", named()),
         };
         refused(format!("{}: {error}", path.display()), help)
     })?;
@@ -459,7 +462,7 @@ fn no_counterpart(error: &NoCounterpart, arguments: &DiffArguments, side: usize)
             Exit::NothingSelected
         }
         _ => {
-            let file = arguments.run.files("diff").unwrap_or_default().join(" ");
+            let file = paths(&arguments.run.files("diff").unwrap_or_default());
             writeln!(
                 stderr(),
                 "help: `scenario-runner {file} --list` with the same `--set` lists its trials"
@@ -467,6 +470,11 @@ fn no_counterpart(error: &NoCounterpart, arguments: &DiffArguments, side: usize)
             Exit::NothingSelected
         }
     }
+}
+
+/// Files as words of a command.
+fn paths(files: &[String]) -> String {
+    files.iter().map(|file| shell_path(file)).collect::<Vec<_>>().join(" ")
 }
 
 #[cfg(test)]

@@ -13,7 +13,7 @@ use super::run::output::{self, BlockOutputArguments};
 use super::run::targets;
 use super::set::SetArguments;
 use super::{Exit, load, store};
-use files::escape::shell_word;
+use files::escape::{shell_path, shell_word};
 use report::console::{stderr, stdout};
 use report::{Live, Terminal, draw_calibration, render_block, render_controllers, tuned_parameters};
 use results::{BlockReport, BlockResult, BlockState, CalibrateResult, Verdict, set_options};
@@ -165,7 +165,7 @@ fn run(arguments: &ExperimentArguments, kind: &'static str, registry: &Registry)
             stderr(),
             "help: `scenario-runner {kind} {} {}{options}` goes on from there",
             arguments.name,
-            arguments.file
+            shell_path(&arguments.file)
         );
         return Exit::Interrupted;
     }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::Exit;
+use files::escape::shell_path;
 use lang::{self, Sources, Style};
 use report::console::{stderr, stdout};
 
@@ -32,9 +33,9 @@ pub fn format(arguments: &FormatArguments) -> Exit {
 
 fn one(file: &Path, check: bool) -> Exit {
     if file.extension().is_some_and(|extension| extension == "yaml" || extension == "yml") {
-        let file = file.display();
-        writeln!(stderr(), "error: `{file}` is YAML, which has no one style");
-        writeln!(stderr(), "help: `scenario-runner convert {file} --to scn` turns it into what has");
+        let named = shell_path(&file.to_string_lossy());
+        writeln!(stderr(), "error: `{}` is YAML, which has no one style", file.display());
+        writeln!(stderr(), "help: `scenario-runner convert {named} --to scn` turns it into what has");
         return Exit::Usage;
     }
     let text = match files::read_text(file) {

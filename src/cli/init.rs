@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 
 use super::Exit;
+use files::escape::shell_path;
 use report::console::{stderr, stdout};
 
 #[derive(Debug, Args)]
@@ -185,7 +186,7 @@ pub fn init(arguments: &InitArguments) -> Exit {
     let change = if arguments.folder == Path::new(".") {
         String::new()
     } else {
-        format!("  cd {}\n", arguments.folder.display())
+        format!("  cd {}\n", shell_path(&arguments.folder.to_string_lossy()))
     };
     if let Some(language) = arguments.controller {
         writeln!(

@@ -101,7 +101,7 @@ pub fn list(arguments: &ListArguments, registry: &Registry) -> Exit {
             if trials > 0 {
                 let runs = trials * planned.runs();
                 lines.push(Line {
-                    name: format!("{}/{}", suite.name, scenario.name),
+                    name: format!("{}/{}", suite.key_name(), scenario.name),
                     kind: SCENARIO,
                     counts: vec![("trial", trials), ("run", runs)],
                     at_most: scenario.runs.is_some(),
@@ -115,7 +115,7 @@ pub fn list(arguments: &ListArguments, registry: &Registry) -> Exit {
             let subject = filter::block(suite, file, block);
             if filters.matches(&subject) {
                 lines.push(Line {
-                    name: block.key(&suite.name),
+                    name: block.key(&suite.key_name()),
                     kind: block.kind(),
                     counts: size(block),
                     at_most: false,
@@ -127,7 +127,7 @@ pub fn list(arguments: &ListArguments, registry: &Registry) -> Exit {
         }
         for rating in suite.ratings.iter().filter(|one| filters.matches(&rating_subject(suite, file, one))) {
             lines.push(Line {
-                name: format!("{}/{RATING}={}", suite.name, rating.name),
+                name: format!("{}/{RATING}={}", suite.key_name(), rating.name),
                 kind: RATING,
                 counts: vec![("cell", cells(plan, rating))],
                 at_most: false,
@@ -138,7 +138,7 @@ pub fn list(arguments: &ListArguments, registry: &Registry) -> Exit {
         }
         for gate in suite.gates.iter().filter(|gate| filters.matches(&gate_subject(suite, file, gate))) {
             lines.push(Line {
-                name: format!("{}/{GATE}={}", suite.name, gate.name),
+                name: format!("{}/{GATE}={}", suite.key_name(), gate.name),
                 kind: GATE,
                 counts: vec![("rule", gate.rules.len())],
                 at_most: false,

@@ -14,7 +14,7 @@ use results::Requests;
 use runner::corpus;
 use runner::experiment::searched_case;
 use runner::plan::{PlannedTrial, plan_scenario};
-use runner::project::{PlannedSuite, Project};
+use runner::project::{PlannedSuite, Project, key_alone};
 use runner::run::BatchError;
 use runner::session::{UnitKind, Work, units};
 use scenario::registry::Registry;
@@ -120,6 +120,10 @@ impl KeyArguments {
         if let Some(found) = look_for(&self.key, suites) {
             return found;
         }
+        // As it is called where others of its suite's name are run.
+        if let Some(found) = known_alone(&self.key, suites).and_then(|key| look_for(&key, suites)) {
+            return found;
+        }
         let key = &self.key;
         writeln!(stderr(), "error: no run is called `{key}`");
         let mut trials = suites.iter().flat_map(|suite| suite.plan.trials());
@@ -138,6 +142,14 @@ impl KeyArguments {
         }
         Err(Exit::NothingSelected)
     }
+}
+
+/// A key that was made where others had the name of its suite, as it is among these.
+pub fn known_alone(key: &str, suites: &[PlannedSuite]) -> Option<String> {
+    suites.iter().filter(|suite| suite.suite.apart.is_empty()).find_map(|suite| {
+        let key = key_alone(key, &suite.file, &suite.suite.name)?;
+        Some(key.to_string())
+    })
 }
 
 /// The run of that key; `None` if there is none. An error is one of a run that cannot be made any more, of which stderr was told.

@@ -12,6 +12,7 @@ use super::run::select::{self, SubjectArguments};
 use super::run::{hints, targets};
 use super::set::SetArguments;
 use super::{Exit, load, number};
+use files::escape::shell_path;
 use lang::filter::Show;
 use report::console::{stderr, stdout};
 use runner::run::Threads;
@@ -136,10 +137,7 @@ fn told(out: &Path, WrittenManifest { units, batches, seconds }: WrittenManifest
         seconds.ceil()
     );
     let option = allowed.map_or_else(String::new, |digest| format!(" --allow-run-digest {digest}"));
-    writeln!(
-        stdout(),
-        "  scenario-runner exec {} --partition slice:1/1 --results results{option}",
-        out.display()
-    );
-    writeln!(stdout(), "  scenario-runner merge {} --results results", out.display());
+    let manifest = shell_path(&out.to_string_lossy());
+    writeln!(stdout(), "  scenario-runner exec {manifest} --partition slice:1/1 --results results{option}");
+    writeln!(stdout(), "  scenario-runner merge {manifest} --results results");
 }

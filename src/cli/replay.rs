@@ -131,7 +131,8 @@ fn expected(arguments: &ReplayArguments, FoundCase { suite, case, .. }: &FoundCa
         let fingerprint = fingerprint.strip_prefix("0x").unwrap_or(fingerprint).to_string();
         return Some(Expected { fingerprint, case: None, source });
     }
-    let is_it = |key: &str, unit_key: String| case.key == key || case.key == unit_key;
+    let own = suite.suite.own_key(&case.key);
+    let is_it = |key: &str, unit_key: String| own == key || own == unit_key;
     let mut recorded = suite.recorded.iter().filter(|one| is_it(&one.key, one.unit_key()));
     if let Some(recorded) = recorded.find(|one| one.seed == case.seed) {
         let source = format!("the one recorded in {}", corpus_path(Path::new(&suite.file)).display());

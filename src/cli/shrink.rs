@@ -10,6 +10,7 @@ use super::interrupt::stop_on_interrupt;
 use super::one_case::{CaseArguments, FoundCase, could_not_run};
 use super::progress::shows_progress;
 use super::shrunk::{SHRUNK_BY, render_shrunk, shrunk_file};
+use files::escape::shell_path;
 use files::{self, Disk, Lines, Overlay};
 use report::console::{stderr, stdout};
 use report::run_words;
@@ -179,7 +180,8 @@ fn shrink_found(
     if !arguments.as_is && shrunk.moves.is_empty() {
         writeln!(stdout(), "Nothing to move: whatever may vary is nominal already.");
     }
-    writeln!(stdout(), "wrote {}; run it: scenario-runner {0}", path.display());
+    let again = shell_path(&path.to_string_lossy());
+    writeln!(stdout(), "wrote {}; run it: scenario-runner {again}", path.display());
     Ok(if shrunk.stopped { Exit::Interrupted } else { Exit::Success })
 }
 

@@ -147,7 +147,7 @@ fn find(suite: &PlannedSuite, name: Option<&str>) -> Result<(Case, usize), Exit>
             return Ok((case, 1));
         }
     }
-    let own = |scenario: &str| name == scenario || name == format!("{}/{scenario}", suite.suite.name);
+    let own = |scenario: &str| name == scenario || name == format!("{}/{scenario}", suite.suite.key_name());
     let ways: [&dyn Fn(&runner::plan::PlannedTrial) -> bool; 3] =
         [&|trial| trial.key == name, &|trial| own(&trial.scenario), &|trial| trial.key.contains(name)];
     for is_meant in ways {

@@ -6,6 +6,7 @@ use clap::Args;
 
 use super::Exit;
 use super::one_case::{CaseArguments, FoundCase, could_not_run};
+use files::escape::shell_path;
 use report::console::{stderr, stdout, takes_blocks};
 use report::{WhyRun, read_results, render_moment, render_why, why_json};
 use results::judge::nearest_passing;
@@ -55,7 +56,8 @@ fn tell(arguments: &WhyArguments, found: &FoundCase, registry: &Registry) -> Res
     let results = arguments.among.as_ref().map(|path| {
         read_results(path, registry).map_err(|error| {
             writeln!(stderr(), "error: cannot read {}: {error}", path.display());
-            writeln!(stderr(), "help: `--among` takes what `scenario-runner {} --json` wrote", suite.file);
+            let file = shell_path(&suite.file);
+            writeln!(stderr(), "help: `--among` takes what `scenario-runner {file} --json` wrote");
             Exit::Usage
         })
     });
@@ -70,7 +72,7 @@ fn tell(arguments: &WhyArguments, found: &FoundCase, registry: &Registry) -> Res
     let unknown = match &results {
         Some(_) => format!("none of `{}` in those results", case.scenario),
         None => {
-            let file = &suite.file;
+            let file = shell_path(&suite.file);
             format!("not known; `scenario-runner {file} --json results.json`, then `--among results.json`")
         }
     };

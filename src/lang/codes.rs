@@ -118,6 +118,10 @@ codes! {
         "Patterns know `*`, `**`, `?` and `[abc]`.";
     TooManyFiles = "E0208", "a suite is made of too many files",
         "A suite may be made of 20,000 files. A pattern such as `/**/*` that matches more is taken for a mistake.";
+    Backslash = "E0209", "a backslash in the name of a file, or in a command",
+        "Folders are separated by `/` everywhere, and by backslashes on Windows alone, where they are taken as they are. On other systems \
+         a backslash is part of a name, or makes another letter of the one behind it, which nobody means who writes a path. In the words of a \
+         command behind the first, `\\\\` is a backslash.";
     // Names
     DuplicateName = "E0301", "a name is defined twice",
         "Within a file and everything it uses, a name may be defined once for each kind of thing; within a scenario, \
@@ -262,10 +266,13 @@ codes! {
     BadDraw = "E0540", "a file cannot be drawn from",
         "`draw together from \"exposure.csv\"` draws a row in every run. The header names the columns, with units in square brackets: `tta \
          [s],speed [km/h],weight`. A row is as likely as its weight is of the sum of all weights, all equally without that column; weights \
-         are at least 0 and not all of them 0. `draw tta from \"gaps.csv\"` takes one column.";
+         are at least 0 and not all of them 0. `without id, date` leaves columns out, whose cells may be anything. `draw tta from \
+         \"gaps.csv\"` takes one column.";
     IdleDraw = "E0541", "a draw that changes nothing",
         "What is drawn in every run and used nowhere makes no run another one, though it looks as if chance were at work, and claims with a \
-         confidence rest on that. Use it in a value of a road user, or leave it out.";
+         confidence rest on that. Use it in a value of a road user, or leave it out. A column of `draw together` that nothing uses may be \
+         another name than was meant, such as `Weight` for `weight`: `draw together from \"x.csv\" without id, date` names those that are \
+         meant to be left out.";
     UnmeantModel = "E0525", "a number with one published value is varied",
         "Some numbers of a model are no free choice. The noise and the filters of `commotions` are per time step, so that with \
          another `dt` than the published one (25 ms for variants with noise, 100 ms for those without) it is another model, \
@@ -473,13 +480,15 @@ codes! {
          needs a signal, or a start value of its own. docs/under_test.md lists the signals.";
     NotTested = "E1111", "a controller cannot be put in the place of another",
         "`test my_av as av` in a suite, and `--controller av=my_av`, put a controller in the place of that of every vehicle \
-         called `av`. There must be such a vehicle, or nothing would be tested; it is said once for each name; settings stand \
+         called `av`. There must be such a vehicle, or nothing would be tested: in each scenario of a suite, unless that says \
+         `test my_av as av where present`, and in one of those that the command line names. It is said once for each name; settings stand \
          with the new controller and not in `--set`; and no variation may choose the controller that is replaced, whose values \
          stand in the names of trials.";
     // Warnings
     PartlyTested = "W1103", "a scenario is run without the controller under test",
-        "`test my_av as av` and `--controller av=my_av` are about vehicles called `av`. A scenario without one is run with the \
-         controllers that it names itself, and what comes of it says nothing of `my_av`.";
+        "`--controller av=my_av` is about vehicles called `av`. A scenario without one is run with the controllers that it names \
+         itself, and what comes of it says nothing of `my_av`. In a suite `test my_av as av` is refused there (E1111), and \
+         `test my_av as av where present` says that it is known. Every report says in how many scenarios it is tested.";
     KnowsMore = "W1101", "a program knows more than the file",
         "The program says that it has parameters that the file does not declare. They keep whatever value the program gives \
          them; declare them to set, vary or tune them.";
@@ -512,6 +521,9 @@ codes! {
     NothingToDecide = "W0904", "runs are added until nothing is decided",
         "`runs 50 .. 2000` adds runs until every criterion with stated confidence is decided. Here no criterion states \
          one, so there are always as many runs as the first number says: `repeat` says that more plainly.";
+    DecimalComma = "W0905", "a comma may have been meant as a decimal point",
+        "Numbers have decimal points: `0.5 %`. A comma separates values, so that `[0,5 %, 1,25 %]` has four. The warning tells both readings; \
+         write points, or a space behind each comma that separates.";
     AnotherModel = "W0913", "a model is another one than was published",
         "A number of a model is not the one that was published beside its other settings, such as a `dt` of `commotions` that \
          is not 25 ms with noise or 100 ms without. Noise and filters are per time step, so nobody fitted what comes of it to \

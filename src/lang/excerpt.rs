@@ -2,6 +2,7 @@
 
 use annotate_snippets::{AnnotationKind, Group, Level, Renderer, Snippet};
 
+use super::codes::Code;
 use files::escape::{terminal, terminal_line, terminal_same_bytes};
 use scenario::Origin;
 
@@ -23,6 +24,11 @@ pub struct Excerpt<'a> {
 impl Excerpt<'_> {
     /// The drawing; without `colour` it is plain text that is the same everywhere.
     pub fn render(&self, colour: bool) -> String {
+        self.render_as(None, colour)
+    }
+
+    /// The same of an error that has a code.
+    pub fn render_as(&self, code: Option<Code>, colour: bool) -> String {
         let line = terminal_same_bytes(&self.origin.source_line);
         let offset = |column: usize| line.char_indices().nth(column).map_or(line.len(), |(index, _)| index);
         let from = offset(self.origin.column.saturating_sub(1));
@@ -31,7 +37,12 @@ impl Excerpt<'_> {
             .line_start(self.origin.line.max(1))
             .path(terminal_line(&self.origin.file))
             .annotation(AnnotationKind::Primary.span(from..to).label(terminal_line(self.label)));
-        let mut group = Group::with_title(Level::ERROR.primary_title(terminal(self.title))).element(snippet);
+        let title = Level::ERROR.primary_title(terminal(self.title));
+        let title = match code {
+            Some(code) => title.id(code.name()),
+            None => title,
+        };
+        let mut group = Group::with_title(title).element(snippet);
         for note in self.notes {
             group = group.element(Level::NOTE.message(terminal(note)));
         }

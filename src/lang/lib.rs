@@ -9,11 +9,13 @@
 #![deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro)]
 
 mod assist;
+mod backslashes;
 mod blocks;
 mod check;
 mod codes;
 mod complete;
 mod consequences;
+mod decimal_commas;
 mod declared;
 mod diagnostic;
 mod excerpt;

@@ -80,6 +80,7 @@ fn bare(files: &Texts, file: FileId, path: &Path, report: &mut Vec<Diagnostic>) 
     let name = path.file_stem().map_or_else(|| "scenarios".into(), |stem| stem.to_string_lossy());
     let suite = Suite {
         name: name.into_owned(),
+        apart: String::new(),
         doc: None,
         seed: DEFAULT_SEED,
         set: Vec::new(),
@@ -242,6 +243,7 @@ fn declared(files: &mut Texts, file: FileId, path: &Path, report: &mut Vec<Diagn
     check_definitions(files, report);
     let suite = Suite {
         name: name.text().to_string(),
+        apart: String::new(),
         doc: check::doc(block.doc()),
         seed: seed?,
         set: Vec::new(),
@@ -324,7 +326,7 @@ fn everybody<'a>(scenarios: &'a [Scenario], registry: &'a Registry) -> check::Ca
 /// What a suite gives `scenarios` by, each with its place.
 fn patterns(suite: ast::Suite) -> Vec<(String, Span)> {
     let all = suite.block().files().flat_map(ast::SuiteFiles::patterns);
-    all.map(|pattern| (pattern.value(), pattern.span())).collect()
+    all.map(|pattern| (pattern.path(), pattern.span())).collect()
 }
 
 /// The files that the patterns of a suite match, as far as they can be read.

@@ -6,8 +6,10 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use rayon::prelude::*;
 
+use super::backslashes;
 use super::check;
 use super::codes::{Code, Severity};
+use super::decimal_commas;
 use super::diagnostic::Diagnostic;
 use super::file_kind::{ENDINGS, FileKind, file_kind};
 use super::overrides::{self, Edit, Overrides};
@@ -416,8 +418,11 @@ impl<'f> Texts<'f> {
             None => Tree::parse(source, self.sources.get(source).text.clone()),
         };
         report.extend(diagnostics);
+        let is_translated = self.sources.resolve(Span::new(source, 0, 0)).source != source;
+        backslashes::refuse(&tree, is_translated, report);
+        report.extend(decimal_commas::found(&tree));
         let uses: Vec<(String, Span)> =
-            tree.file().uses().map(|used| (used.path().value(), used.path().span())).collect();
+            tree.file().uses().map(|used| (used.path().path(), used.path().span())).collect();
         let mut names = Names::default();
         let mut scope = NameScope::default();
         for (named, span) in uses {
@@ -541,7 +546,7 @@ impl<'f> Texts<'f> {
         for file in &self.files {
             for string in file.tree.file().uses().map(ast::UseFile::path) {
                 let name = &self.sources.get(file.tree.source).name;
-                let used = self.texts.identity(&join(Path::new(name), &string.value()));
+                let used = self.texts.identity(&join(Path::new(name), &string.path()));
                 if let Some(Some(used)) = self.by_path.get(&used) {
                     users.entry(self.tree(*used).source).or_insert(string.span());
                 }

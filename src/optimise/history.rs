@@ -37,6 +37,13 @@ pub struct Evaluation {
     pub margins: Vec<Margin>,
     /// How many independent repetitions the values are means of.
     pub repetitions: u32,
+    /// How much of it was left out, since there is no such thing to be evaluated.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub left_out: u32,
+}
+
+fn is_zero(number: &u32) -> bool {
+    *number == 0
 }
 
 impl Evaluation {
@@ -51,6 +58,7 @@ impl Evaluation {
             objectives: vec![ObjectiveValue { value: Some(value), noise_variance: None }],
             margins: margins.iter().map(|&value| Margin { value: Some(value), censored: false }).collect(),
             repetitions: 1,
+            left_out: 0,
         }
     }
 
@@ -64,6 +72,7 @@ impl Evaluation {
             ],
             margins: vec![margin; definition.constraints],
             repetitions: 1,
+            left_out: 0,
         }
     }
 

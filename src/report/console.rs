@@ -8,7 +8,7 @@ use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-use files::escape::{terminal, terminal_styled};
+use files::escape::{terminal, terminal_styled, without_commands};
 
 /// One of the two standard streams. Writing to it never fails: when its reader has gone the rest is dropped, for that is the
 /// reader's choice; any other [trouble](Self::trouble) is kept until the program ends, which then says so.
@@ -76,14 +76,14 @@ struct Broken(io::Error);
 static BROKEN: [Mutex<Option<Broken>>; 2] = [Mutex::new(None), Mutex::new(None)];
 
 impl Output {
-    /// For `write!` and `writeln!`. Nothing in the text but line ends and tabs is obeyed by a terminal.
+    /// For `write!` and `writeln!`. Nothing in the text but line ends and tabs is obeyed by a terminal, and nothing by GitHub.
     pub fn write_fmt(self, arguments: fmt::Arguments) {
-        self.put(&terminal(&arguments.to_string()));
+        self.put(&without_commands(&terminal(&arguments.to_string())));
     }
 
     /// Writes text that may be coloured; see [`terminal_styled`].
     pub fn styled(self, text: &str) {
-        self.put(&terminal_styled(text));
+        self.put(&without_commands(&terminal_styled(text)));
     }
 
     /// Writes what is not for people but for a file or another program, byte for byte unless people would see it.

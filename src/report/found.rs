@@ -41,6 +41,7 @@ pub fn render_search(result: &SearchResult) -> String {
         let all = evaluations().count();
         writeln!(text, "{unknown} of {all} evaluations have no value: {WITHOUT_VALUE}").expect(STRING);
     }
+    text += &left_out_words(result).map_or_else(String::new, |said| format!("{said}\n"));
     text += &kept(result);
     text += &judged(result);
     text += &render_usual(result);
@@ -75,6 +76,16 @@ pub(super) fn said(finding: &Finding) -> String {
     let value = run.map(|run| format!(" ({})", run_value(finding, run))).unwrap_or_default();
     let untested = if finding.untested.is_some() { ", untested" } else { "" };
     format!("`{}` {}{value}{untested}", finding.criterion, verdict_word(finding.verdict))
+}
+
+/// How many runs of evaluations are left out, if any is.
+pub(super) fn left_out_words(result: &SearchResult) -> Option<String> {
+    (result.left_out > 0).then(|| {
+        let runs = if result.left_out == 1 { "1 run is".into() } else { format!("{} runs are", result.left_out) };
+        format!(
+            "{runs} left out, since there is no such encounter: somebody appears inside another body, or would have to appear before the run begins"
+        )
+    })
 }
 
 /// How many runs at the worst points are kept, of how many.

@@ -239,6 +239,8 @@ impl Mixture {
             usual: _,
             // Out of the runs of `found`, and of those with fresh seeds there.
             judged: _,
+            // They have no value.
+            left_out: _,
         } = search;
         self.count(found.len());
         found.iter().for_each(|found| self.found(found));

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::cases::{CaseRun, SavedCase, SavedSet};
 use super::finding::Finding;
 use super::verdict::Verdict;
+use super::written_counts::is_zero;
 use optimise::{self, OptimisationEnd, SlicePoint};
 use scenario::{Goal, Individual, ShownIn};
 
@@ -33,6 +34,10 @@ pub struct SearchResult {
     /// What the search expects of the runs that it kept; `None` of one that expects nothing.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub judged: Option<JudgedSearch>,
+    /// How many runs of its evaluations are left out, since there are no such encounters: a pedestrian appears inside another body, or would
+    /// have to appear before the run begins.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub left_out: usize,
 }
 
 /// What became of the expectations of a search.

@@ -15,7 +15,7 @@ use super::skip::Skip;
 use super::standing::Standing;
 use super::summary::SuiteSummary;
 use super::trial::TrialReport;
-use files::escape::shell_word;
+use files::escape::{shell_path, shell_word};
 use numbers::json;
 use scenario::{TestedInstead, TextDigest};
 
@@ -99,13 +99,22 @@ impl SuiteIdentity {
 
     /// What to type to see one run again.
     pub fn replay_command(&self, key: &str) -> String {
-        format!("scenario-runner replay '{key}' {} --seed {}{}", self.file, self.seed, set_options(&self.set))
+        self.command("replay ", &format!("{} {}", shell_word(key), shell_path(&self.file)), key, "")
     }
 
     /// What to type to run one block again, with whatever it builds on.
     pub fn block_command(&self, key: &str) -> String {
-        let set = set_options(&self.set);
-        format!("scenario-runner {} '{key}' --exact --seed {}{set}", self.file, self.seed)
+        self.command("", &format!("{} {}", shell_path(&self.file), shell_word(key)), key, " --exact")
+    }
+
+    /// A command about a key, with what seed and values the suite was run with.
+    fn command(&self, command: &str, words: &str, key: &str, option: &str) -> String {
+        let options = format!("{option} --seed {}{}", self.seed, set_options(&self.set));
+        // A key that begins like an option is none behind `--`.
+        match key.starts_with('-') {
+            true => format!("scenario-runner {command}{} -- {words}", options.trim_start()),
+            false => format!("scenario-runner {command}{words}{options}"),
+        }
     }
 }
 
@@ -136,7 +145,8 @@ pub fn set_options(set: &[String]) -> String {
 
 /// What to type to record a suite's baseline.
 pub fn record_command(file: &str, set: &[String], baseline: &Path) -> String {
-    format!("scenario-runner baseline save {file}{} --out {}", set_options(set), baseline.display())
+    let (file, baseline) = (shell_path(file), shell_path(&baseline.to_string_lossy()));
+    format!("scenario-runner baseline save {file}{} --out {baseline}", set_options(set))
 }
 
 /// The program that ran a suite.

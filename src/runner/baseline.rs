@@ -84,7 +84,7 @@ pub fn frame<'t>(
             key.strip_prefix(&trial.key).unwrap_or(&key).trim_start_matches('/').to_string()
         };
         recorded.push(RecordedTrial {
-            key: trial.key.strip_prefix(&format!("{suite}/")).unwrap_or(&trial.key).to_string(),
+            key: trial.key.strip_prefix(&format!("{}{suite}/", plan.apart)).unwrap_or(&trial.key).to_string(),
             scenario: trial.scenario.clone(),
             certain: nothing_is_drawn(&trial.cases),
             fingerprint: String::new(),
@@ -99,6 +99,7 @@ pub fn frame<'t>(
     }
     Baseline {
         suite: suite.to_string(),
+        apart: plan.apart.clone(),
         seed: plan.seed,
         set: plan.set.clone(),
         tool: env!("CARGO_PKG_VERSION").to_string(),
@@ -273,6 +274,7 @@ fn tested_vehicles(case: &Case) -> Vec<TestedVehicle> {
             road: _,
             lane: _,
             speed: _,
+            initial_speed: _,
             start: _,
             behind: _,
             sees,
@@ -308,12 +310,16 @@ fn parts(cases: &[Case]) -> Parts {
                 road,
                 lane,
                 speed,
+                initial_speed,
                 start,
                 behind,
                 sees: _,
                 obeys_signals: _,
             } = vehicle;
             // Of whom nothing is said about it is known by the hash of before that could be said.
+            if let Some(initial) = initial_speed {
+                return Traffic::Starting(name, (*road, *lane), (*initial, *speed), *start, *behind);
+            }
             match (*road, *behind) {
                 (0, 0.0) => Traffic::ByCentre(name, *lane, *speed, *start),
                 (0, behind) => Traffic::Behind(name, *lane, *speed, *start, behind),
@@ -374,6 +380,8 @@ enum Traffic<'a> {
     Behind(&'a str, usize, f64, VehicleStart, f64),
     /// On another road than the first, with its number before that of the lane.
     Elsewhere(&'a str, (usize, usize), f64, VehicleStart, f64),
+    /// With the speed that it starts with before that of its cruise.
+    Starting(&'a str, (usize, usize), (f64, f64), VehicleStart, f64),
 }
 
 /// A case's pedestrians without what their individuals bring, and without the flag that changes no run.

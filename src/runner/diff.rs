@@ -93,9 +93,8 @@ fn of_seed(trial: &PlannedTrial, key: &str, seed: u64) -> Result<Option<Case>, P
 
 /// What follows the trial's name in that of a run: `/individual=17/rep=2`.
 fn beyond_trial<'c>(suite: &Suite, case: &'c Case) -> &'c str {
-    let recorded = format!("{}/recorded=", suite.name);
-    let rest =
-        case.key.strip_prefix(&recorded).or_else(|| case.key.strip_prefix(&format!("{}/", suite.name)));
+    let own = format!("{}/", suite.key_name());
+    let rest = case.key.strip_prefix(&format!("{own}recorded=")).or_else(|| case.key.strip_prefix(&own));
     let values = case.variation.iter().map(|one| format!("/{}={}", one.name, one.label));
     let trial = format!("{}{}", case.scenario, values.collect::<String>());
     rest.and_then(|rest| rest.strip_prefix(&trial)).unwrap_or_default()

@@ -21,6 +21,10 @@ use super::{
 pub struct Suite {
     /// As it calls itself; a suite of a bare file is called after the file.
     pub name: String,
+    /// What stands before its name in keys, where another suite of that name is in the same invocation: `a/`. Seeds are derived from keys
+    /// without it, so that runs are the same whatever else is run.
+    #[serde(skip)]
+    pub apart: String,
     /// What it says of itself, in a sentence.
     pub doc: Option<String>,
     /// What the seed of every run is derived from.
@@ -92,6 +96,16 @@ pub fn sha256(bytes: &[u8]) -> String {
 }
 
 impl Suite {
+    /// What its keys begin with.
+    pub fn key_name(&self) -> String {
+        format!("{}{}", self.apart, self.name)
+    }
+
+    /// One of its keys as it is where no other suite has its name: what seeds are derived from.
+    pub fn own_key<'k>(&self, key: &'k str) -> &'k str {
+        key.strip_prefix(self.apart.as_str()).unwrap_or(key)
+    }
+
     /// The unit in which people are shown a metric; `None`: the SI unit.
     pub fn notation(&self, label: &str) -> Option<Notation> {
         self.notations.iter().find(|(metric, _)| metric.label() == label).map(|(_, notation)| *notation)
@@ -112,12 +126,16 @@ pub struct TestedInstead {
     pub controller: String,
     /// The controllers that the scenarios name, each once.
     pub instead_of: Vec<String>,
+    /// In how many scenarios of how many there is such a vehicle, if not in all.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub partly: Option<(usize, usize)>,
 }
 
 impl fmt::Display for TestedInstead {
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { vehicle, controller, instead_of } = self;
-        write!(out, "{vehicle}: {controller} instead of {}", instead_of.join(", "))
+        let Self { vehicle, controller, instead_of, partly } = self;
+        write!(out, "{vehicle}: {controller} instead of {}", instead_of.join(", "))?;
+        partly.map_or(Ok(()), |(scenarios, all)| write!(out, " in {scenarios} of {all} scenarios"))
     }
 }
 
@@ -247,8 +265,11 @@ pub struct Vehicle {
     pub dynamics: Option<Model<DynamicsModel>>,
     /// Length and width in m; `None`: those of the dynamics.
     pub size: Option<(Expression, Expression)>,
-    /// Speed of the steady cruise at the start in m/s.
+    /// Speed of the steady cruise in m/s.
     pub speed: Expression,
+    /// Speed at the start in m/s; `None`: that of the cruise.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub initial_speed: Option<Expression>,
     /// Where it is at time 0.
     pub start: DeclaredVehicleStart,
     /// The name of the road that it drives on, where that lies over the scenario's own; `None`: on that.

@@ -108,8 +108,11 @@ pub struct VehicleSetup {
     pub road: usize,
     /// Index into [`Road::lanes`].
     pub lane: usize,
-    /// Speed of the steady cruise at the start in m/s; also what a controller takes as its wanted speed by default.
+    /// Speed of the steady cruise in m/s; also what a controller takes as its wanted speed by default.
     pub speed: f64,
+    /// Speed at the start in m/s; `None`: that of the cruise, once it has settled.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub initial_speed: Option<f64>,
     /// Where it is at time 0.
     pub start: VehicleStart,
     /// How far the point that follows its lane is behind its centre, m.
@@ -123,6 +126,16 @@ pub struct VehicleSetup {
 }
 
 impl VehicleSetup {
+    /// The speed with which it begins, m/s.
+    pub fn speed_at_start(&self) -> f64 {
+        self.initial_speed.unwrap_or(self.speed)
+    }
+
+    /// The speed by which a start is placed that is said as a time to arrival, m/s: no time is past there, whichever of its speeds is larger.
+    pub fn placing_speed(&self) -> f64 {
+        self.speed.max(self.speed_at_start())
+    }
+
     /// Whether its controller may steer it off its lane; whoever is in no registry may.
     pub fn may_steer(&self) -> bool {
         self.controller.model.entry().is_none_or(|controller| controller.steers)

@@ -13,7 +13,7 @@ macro_rules! expressions {
         use super::*;
 
         pub fn vehicle(car: &$($mut)? Vehicle) -> Vec<(&$($mut)? Expression, &Origin)> {
-            let Vehicle { name: _, controller, dynamics, size, speed, start, road: _, lane: _, follows, sees, obeys_signals: _, ignores_vehicles: _, origin } = car;
+            let Vehicle { name: _, controller, dynamics, size, speed, initial_speed, start, road: _, lane: _, follows, sees, obeys_signals: _, ignores_vehicles: _, origin } = car;
             let mut found = model(controller);
             if let Some(dynamics) = dynamics {
                 found.extend(model(dynamics));
@@ -35,6 +35,9 @@ macro_rules! expressions {
                 found.push((behind, origin));
             }
             found.push((speed, origin));
+            if let Some(initial_speed) = initial_speed {
+                found.push((initial_speed, origin));
+            }
             found
         }
 

@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use super::agent::CommandKind;
 use super::{Dimension, Notation, Origin};
+use files::escape::shell_word;
 
 /// A program that decides for vehicles: what is started, what it gives, and in which time.
 ///
@@ -194,10 +195,10 @@ impl DeclaredProgram {
     }
 }
 
-/// A word that reads as one.
+/// A word that reads as one, as somebody would type it.
 fn shown(word: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "_-./=:,+@%".contains(c);
-    if !word.is_empty() && word.chars().all(plain) { word.to_string() } else { format!("{word:?}") }
+    if !word.is_empty() && word.chars().all(plain) { word.to_string() } else { shell_word(word) }
 }
 
 #[cfg(test)]
@@ -225,7 +226,7 @@ mod tests {
         };
         assert_eq!(
             program.identity(),
-            "python3 \"my av.py\" in .., A=b, gives acceleration, every 0.1 s, after 0.05 s"
+            "python3 'my av.py' in .., A=b, gives acceleration, every 0.1 s, after 0.05 s"
         );
         let limits = DeclaredProgram { answers_within: 1.0, file: "b.scn".into(), ..program.clone() };
         assert_eq!(limits.identity(), program.identity());

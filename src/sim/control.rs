@@ -92,7 +92,7 @@ impl Control {
             time: 0.0,
             ego: EgoState {
                 distance_to_crossing: FAR_AWAY,
-                speed: setup.speed,
+                speed: setup.speed_at_start(),
                 acceleration: 0.0,
                 length: setup.length,
                 width: setup.width,
@@ -139,8 +139,12 @@ impl Control {
             next: 0.0,
             waits: false,
             settling: Settling {
-                motion: Longitudinal { travelled: 0.0, speed: setup.speed, acceleration: 0.0 },
-                steps: (driven.driver.settling_time() / world.step).ceil() as u64,
+                motion: Longitudinal { travelled: 0.0, speed: setup.speed_at_start(), acceleration: 0.0 },
+                // What has another speed at the start is no steady cruise that it could have settled to.
+                steps: match setup.initial_speed {
+                    None => (driven.driver.settling_time() / world.step).ceil() as u64,
+                    Some(_) => 0,
+                },
                 index: 0,
                 begun: false,
                 driven: 0.0,

@@ -17,7 +17,7 @@ use super::perceived::Views;
 use super::road_users::{Driver, RoadUsers};
 use super::sighting::Sighting;
 use super::solid::Solid;
-use super::start::{placed, waiting_outside};
+use super::start::{PastArrival, meeting_place, occupied_by, past_arrival, placed, waiting_outside};
 use super::wait_for_green::WaitForGreen;
 use super::way::{Way, walked};
 use scenario::agent::{
@@ -52,16 +52,32 @@ pub fn simulate(world: &Arc<World>, users: RoadUsers, observer: &mut dyn Observe
     }
 }
 
-/// A run that cannot go on, since a controller cannot decide. It is neither a pass nor a failure.
+/// Why a run cannot go on. It is neither a pass nor a failure.
 #[derive(Debug, Clone, PartialEq, Error)]
-#[error("vehicle {vehicle} cannot decide at {time} s: {error}")]
-pub struct Fault {
-    /// Index of its vehicle.
-    pub vehicle: usize,
-    /// s; negative while settling before the start.
-    pub time: f64,
-    /// In the controller's own words.
-    pub error: ControllerError,
+pub enum Fault {
+    /// A controller cannot decide.
+    #[error("vehicle {vehicle} cannot decide at {time} s: {error}")]
+    Controller {
+        /// Index of its vehicle.
+        vehicle: usize,
+        /// s; negative while settling before the start.
+        time: f64,
+        /// In the controller's own words.
+        error: ControllerError,
+    },
+    /// A pedestrian appears inside another body.
+    #[error("pedestrian {pedestrian} appears inside another body at {time} s")]
+    Occupied {
+        /// Index into [`World::pedestrians`].
+        pedestrian: usize,
+        /// What the pedestrian is inside of.
+        by: Solid,
+        /// s
+        time: f64,
+    },
+    /// The time to arrival that a pedestrian waits for is past when the run begins.
+    #[error("pedestrian {} waits for a time to arrival that is past at the start", .0.pedestrian)]
+    PastArrival(PastArrival),
 }
 
 /// How far a run has come.
@@ -158,6 +174,8 @@ pub struct Course {
     decelerates: Option<(usize, usize)>,
     /// Of the step under way.
     sightings: Vec<Sighting>,
+    /// Who has appeared at the beginning of the step under way.
+    newcomers: Vec<usize>,
     steps: u64,
     /// The step under way.
     index: u64,
@@ -208,6 +226,7 @@ impl Course {
             postponed: None,
             decelerates: None,
             sightings: Vec::new(),
+            newcomers: Vec::with_capacity(world.pedestrians.len()),
             steps: steps_within(world.horizon, world.step),
             index: 0,
             stage: Stage::Settle,
@@ -336,7 +355,7 @@ impl Course {
     /// Ends the run since whoever decides for a vehicle cannot.
     pub fn fault(&mut self, vehicle: usize, error: ControllerError) -> Fault {
         let time = self.controls[vehicle].shown().time;
-        self.end_in(Fault { vehicle, time, error })
+        self.end_in(Fault::Controller { vehicle, time, error })
     }
 
     fn end_in(&mut self, fault: Fault) -> Fault {
@@ -354,10 +373,16 @@ impl Course {
             match control.settle(self.world.step, driven) {
                 Ok(Some(settled)) => self.now.vehicles.push(placed(&self.world, setup, settled)),
                 Ok(None) => self.waiting += 1,
-                Err(error) => return Err(Fault { vehicle, time: control.shown().time, error }),
+                Err(error) => {
+                    return Err(Fault::Controller { vehicle, time: control.shown().time, error });
+                }
             }
         }
         if self.waiting == 0 {
+            // Moments are known to a step; what is wrong beyond that was found when the run was planned.
+            if let Some(past) = past_arrival(&self.world, &self.now, self.world.step) {
+                return Err(Fault::PastArrival(past));
+            }
             self.next.clone_from(&self.now);
             self.between.clone_from(&self.now);
             observer.begin(&self.now);
@@ -369,6 +394,7 @@ impl Course {
     /// Lets pedestrians appear and asks every vehicle that is due what it does from now on.
     fn ask(&mut self) -> Result<(), Fault> {
         let time = self.time();
+        self.newcomers.clear();
         let setups = self.world.pedestrians.iter().zip(&self.meetings).zip(&mut self.earlier);
         for (index, (state, ((setup, meeting), (_, late)))) in
             self.now.pedestrians.iter_mut().zip(setups).enumerate()
@@ -394,10 +420,30 @@ impl Course {
                 None => comes,
                 Some(postponed) => postponed.appears(index, time, comes, late),
             };
+            if state.present {
+                self.newcomers.push(index);
+            }
         }
+        self.refuse_occupied_places(time)?;
         self.stage = Stage::Act;
         self.release();
         self.ask_vehicles(time, false)
+    }
+
+    /// Refuses pedestrians who appear inside another body. What would have been may be anything: somebody who is postponed may well
+    /// appear where a vehicle is, which is a collision.
+    ///
+    /// # Errors
+    /// The first of them.
+    fn refuse_occupied_places(&self, time: f64) -> Result<(), Fault> {
+        if self.postponed.is_some() {
+            return Ok(());
+        }
+        let occupied = |pedestrian: &usize| {
+            let by = occupied_by(&self.world, &self.now, *pedestrian)?;
+            Some(Fault::Occupied { pedestrian: *pedestrian, by, time })
+        };
+        self.newcomers.iter().find_map(occupied).map_or(Ok(()), Err)
     }
 
     /// Lets a vehicle decide for itself again once whom it decelerates for has left its lane.
@@ -426,7 +472,7 @@ impl Course {
                 match done {
                     Ok(Some(mode)) => self.vehicle_modes[vehicle] = mode,
                     Ok(None) => self.waiting += 1,
-                    Err(error) => return Err(Fault { vehicle, time, error }),
+                    Err(error) => return Err(Fault::Controller { vehicle, time, error }),
                 }
             }
         }
@@ -657,15 +703,6 @@ fn put(vehicles: &mut [VehicleState], others: &[VehicleState]) {
     for (vehicle, other) in vehicles.iter_mut().zip(others) {
         vehicle.motion = other.motion;
         vehicle.steered = other.steered;
-    }
-}
-
-/// The place at which a pedestrian meets the path of the vehicle whose arrival it waits for, m; 0 if it waits for none.
-pub fn meeting_place(world: &World, setup: &PedestrianSetup) -> f64 {
-    match setup.appears {
-        Appearance::At(_) => 0.0,
-        Appearance::Meeting { place, .. } => place,
-        Appearance::TimeToArrival { vehicle, .. } => setup.met_by(&world.path_of(&world.vehicles[vehicle])),
     }
 }
 

@@ -19,6 +19,7 @@ pub fn world() -> World {
             road: 0,
             lane: 0,
             speed: 10.0,
+            initial_speed: None,
             start: VehicleStart::Distance(100.0),
             behind: 0.0,
             sees: None,

@@ -54,7 +54,7 @@ pub use abreast::Abreast;
 pub use change::{GivenCommand, RunChange, brakes};
 pub use contact::{Contacts, Touch};
 pub use course::{
-    Course, Fault, Progress, has_arrived, has_crossed, longest_run, meeting_place, simulate, walking_time,
+    Course, Fault, Progress, has_arrived, has_crossed, longest_run, simulate, walking_time,
 };
 pub use fingerprint::Fingerprint;
 pub use hit::{hit_along, hit_at};
@@ -70,7 +70,10 @@ pub use scenario::agent::{
 };
 pub use sighting::Sighting;
 pub use solid::Solid;
-pub use start::{beginning, blocked_lanes, collision_course, overlaps, path_conflicts, vehicles_ahead};
+pub use start::{
+    PastArrival, beginning, blocked_lanes, collision_course, meeting_place, overlaps, past_arrival, path_conflicts,
+    vehicles_ahead,
+};
 pub use timeline::{Happening, Timeline, TimelineEvent};
 pub use trace::{Sample, Trace, TraceMark};
 pub use turning::{contact_with, vehicles_meet};

@@ -33,12 +33,55 @@ pub fn overlaps(world: &World) -> Vec<(Solid, Solid)> {
         }
         _ => true,
     };
-    let overlap = |(first, second): &(Solid, Solid)| {
-        let outline = |solid: Solid| Some(solid.footprint(&state, &world.road.boxes)?.shrunk(TOUCHING / 2.0));
-        let both = outline(*first).zip(outline(*second));
-        both.is_some_and(|(one, other)| one.first_contact(&other, Vector2::zeros()).is_some())
-    };
+    let overlap = |(first, second): &(Solid, Solid)| are_inside_each_other(world, &state, (*first, *second));
     pairs(world).filter(|(first, second)| together(*first, *second)).filter(overlap).collect()
+}
+
+/// Whether two bodies that are there are inside each other.
+fn are_inside_each_other(world: &World, state: &Snapshot, (first, second): (Solid, Solid)) -> bool {
+    let outline = |solid: Solid| Some(solid.footprint(state, &world.road.boxes)?.shrunk(TOUCHING / 2.0));
+    let both = outline(first).zip(outline(second));
+    both.is_some_and(|(one, other)| one.first_contact(&other, Vector2::zeros()).is_some())
+}
+
+/// The first body that a pedestrian who appears now is inside of.
+pub(super) fn occupied_by(world: &World, state: &Snapshot, pedestrian: usize) -> Option<Solid> {
+    let own = Solid::Pedestrian(pedestrian);
+    let vehicles = (0..state.vehicles.len()).map(Solid::Vehicle);
+    let others = (0..state.pedestrians.len()).filter(|other| *other != pedestrian).map(Solid::Pedestrian);
+    let boxes = (0..world.road.boxes.len()).map(Solid::Box);
+    vehicles.chain(others).chain(boxes).find(|other| are_inside_each_other(world, state, (own, *other)))
+}
+
+/// A pedestrian who waits for a time to arrival that is past when the run begins.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PastArrival {
+    /// Index into [`World::pedestrians`].
+    pub pedestrian: usize,
+    /// Index into [`World::vehicles`].
+    pub vehicle: usize,
+    /// The time to arrival that the pedestrian waits for, s.
+    pub wanted: f64,
+    /// The time to arrival at the start, s; negative where the vehicle has passed the place.
+    pub at_start: f64,
+}
+
+/// The first pedestrian who waits for a time to arrival that is past by more than `tolerance` (s) where the run begins like this.
+pub fn past_arrival(world: &World, start: &Snapshot, tolerance: f64) -> Option<PastArrival> {
+    world.pedestrians.iter().enumerate().find_map(|(pedestrian, setup)| {
+        let Appearance::TimeToArrival { vehicle, reference, time: wanted } = setup.appears else { return None };
+        let at_start = start.vehicles[vehicle].time_to_arrival(meeting_place(world, setup), reference);
+        (at_start < wanted - tolerance).then_some(PastArrival { pedestrian, vehicle, wanted, at_start })
+    })
+}
+
+/// The place at which a pedestrian meets the path of the vehicle whose arrival it waits for, m; 0 if it waits for none.
+pub fn meeting_place(world: &World, setup: &PedestrianSetup) -> f64 {
+    match setup.appears {
+        Appearance::At(_) => 0.0,
+        Appearance::Meeting { place, .. } => place,
+        Appearance::TimeToArrival { vehicle, .. } => setup.met_by(&world.path_of(&world.vehicles[vehicle])),
+    }
 }
 
 /// Every vehicle with every box that stands in its way to the finish line, and the way to it from the vehicle's centre, m.
@@ -103,7 +146,8 @@ pub(super) fn placed(world: &World, setup: &VehicleSetup, settled: Longitudinal)
         VehicleStart::Distance(distance) => -distance,
         VehicleStart::TimeToArrival { time, reference, x } => {
             let ahead = reference.ahead_of_centre(setup.length);
-            path.at_line(x) - time * settled.speed - ahead
+            let speed = if setup.initial_speed.is_some() { setup.placing_speed() } else { settled.speed };
+            path.at_line(x) - time * speed - ahead
         }
     };
     VehicleState::new(path, Longitudinal { travelled, ..settled }, (setup.length, setup.width))
@@ -122,7 +166,8 @@ pub fn path_conflicts(world: &World, one: usize, other: usize) -> Vec<PathConfli
 /// Everybody where they begin: vehicles at the speed that they are given, and pedestrians though they may appear later.
 pub fn beginning(world: &World) -> Snapshot {
     let cars = world.vehicles.iter().map(|setup| {
-        placed(world, setup, Longitudinal { travelled: 0.0, speed: setup.speed, acceleration: 0.0 })
+        let speed = setup.speed_at_start();
+        placed(world, setup, Longitudinal { travelled: 0.0, speed, acceleration: 0.0 })
     });
     let ways: Vec<_> = world.pedestrians.iter().map(Way::new).collect();
     let mut people: Vec<_> = world.pedestrians.iter().zip(&ways).map(waiting_outside).collect();

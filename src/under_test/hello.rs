@@ -4,6 +4,7 @@ use serde::Deserialize;
 use serde_json::{Value as Json, json};
 
 use super::start::{StartError, StartProblem};
+use super::strict_json;
 use super::wire::MoreTables;
 use scenario::{Declaration, DeclaredProgram, Dimension, Parameter, ParameterKind};
 
@@ -117,8 +118,9 @@ pub fn own_hello(program: &DeclaredProgram) -> Json {
 /// # Errors
 /// What is wrong with the answer, in words.
 pub fn read(line: &str) -> Result<Hello, String> {
+    let said = strict_json::read(line.as_bytes()).map_err(|wrong| format!("its hello {wrong}"))?;
     let Line { hello } =
-        serde_json::from_str(line).map_err(|error| format!("its hello does not read: {error}"))?;
+        serde_json::from_value(said).map_err(|error| format!("its hello does not read: {error}"))?;
     if hello.protocol.as_u64() != Some(PROTOCOL) {
         return Err(format!("it speaks protocol {}, and this runner speaks {PROTOCOL}", hello.protocol));
     }

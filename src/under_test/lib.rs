@@ -29,6 +29,7 @@ mod process_group;
 mod quote;
 mod scenes;
 mod start;
+mod strict_json;
 mod supervise;
 mod watchdog;
 mod wire;

@@ -9,6 +9,7 @@ use thiserror::Error;
 
 use super::lookup;
 use super::start::{StartError, StartProblem};
+use files::escape::shell_path;
 use scenario::{DeclaredProgram, ProgramKind, sha256};
 
 /// Names programs that may be started, with commas between them, where nobody is asked.
@@ -74,7 +75,8 @@ impl Permission {
         );
         let hint = format!(
             "read it, then `scenario-runner allow {}`; or run with `--allow-run={}`",
-            program.file, program.name
+            shell_path(&program.file),
+            program.name
         );
         Err(StartError::new(StartProblem::NotAllowed, program, message, hint))
     }

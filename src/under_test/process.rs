@@ -19,6 +19,7 @@ use super::no_guest::NoGuest as Guest;
 use super::parent::Parent;
 use super::quote::{log_line, quoted};
 use super::start::{StartError, StartProblem};
+use super::strict_json;
 use super::watchdog::Watchdog;
 use super::wire::{self, Answered, DueDecision, MoreTables, Opened, Reply};
 use scenario::{DeclaredProgram, FaultKind, ProgramFault, ProgramKind};
@@ -215,7 +216,10 @@ impl Process {
     ) -> Result<Vec<(usize, ProgramFault)>, Failed> {
         self.say(said);
         self.exchange(Duration::from_secs_f64(self.program.starts_within), slots.len())?;
-        let value: Option<Json> = serde_json::from_slice(self.text()).ok();
+        let (value, wrong) = match strict_json::read(self.text()) {
+            Ok(value) => (Some(value), "does not say which runs are ready".to_string()),
+            Err(wrong) => (None, wrong),
+        };
         if let Some(fault) = value.as_ref().and_then(wire::last_refusal) {
             return Err(self.gone(fault));
         }
@@ -237,7 +241,7 @@ impl Process {
             None => {
                 let fault = ProgramFault::new(
                     FaultKind::Garbage,
-                    format!("{} does not say which runs are ready", quoted(self.text())),
+                    format!("{} {wrong}", quoted(self.text())),
                 );
                 Err(self.gone(fault))
             }
@@ -255,7 +259,7 @@ impl Process {
         }
         self.say(&wire::open(&[]));
         self.exchange(Duration::from_secs_f64(self.program.answers_within), 1)?;
-        let value: Option<Json> = serde_json::from_slice(self.text()).ok();
+        let value = strict_json::read(self.text()).ok();
         if let Some(fault) = value.as_ref().and_then(wire::last_refusal) {
             return Err(self.gone(fault));
         }

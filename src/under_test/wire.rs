@@ -5,6 +5,7 @@ use std::time::Duration;
 use serde_json::{Map, Value as Json, json};
 
 use super::quote::quoted;
+use super::strict_json;
 use scenario::{
     Answer, Crossing, CrossingKind, ParameterKind, RoadUserKind, STOP_LINE, SeenSignal, Settings, Shape,
     SignalState, Value, VehicleSetup, World,
@@ -563,8 +564,7 @@ pub fn last_refusal(value: &Json) -> Option<ProgramFault> {
 
 /// A line of JSON as an answer to `asked`.
 pub fn read_line(line: &[u8], gives: Answer, asked: &[DueDecision]) -> Result<Reply, ProgramFault> {
-    let value: Json =
-        serde_json::from_slice(line).map_err(|_| garbage(format!("{} is no JSON", quoted(line))))?;
+    let value = strict_json::read(line).map_err(|wrong| garbage(format!("{} {wrong}", quoted(line))))?;
     if let Some(fault) = last_refusal(&value) {
         return Err(fault);
     }
@@ -599,7 +599,11 @@ pub fn read_line(line: &[u8], gives: Answer, asked: &[DueDecision]) -> Result<Re
                 plan(points.ok_or_else(|| bad_value("a point of a plan is no pair of numbers"))?)
             }
         }?;
-        let mode = answer.get("mode").and_then(Json::as_str).unwrap_or_default();
+        let mode = match answer.get("mode") {
+            None | Some(Json::Null) => "",
+            Some(Json::String(word)) => word,
+            Some(other) => return Err(bad_value(format!("`mode` is {other}, which is no word"))),
+        };
         let speed = answer.get("speed").and_then(Json::as_f64).filter(|_| gives == Answer::Speed);
         let curvature = match answer.get("curvature") {
             None | Some(Json::Null) => None,
@@ -633,14 +637,13 @@ pub fn read_frame(
     };
     match word(0) {
         Some(0) => {
-            let value = serde_json::from_slice(&frame[4..]).ok();
-            if let Some(fault) = value.as_ref().and_then(last_refusal) {
+            let text = &frame[4..];
+            let value = strict_json::read(text).map_err(|wrong| garbage(format!("{} {wrong}", quoted(text))))?;
+            if let Some(fault) = last_refusal(&value) {
                 return Err(fault);
             }
-            let slots = value.as_ref().and_then(refused);
-            return slots
-                .map(Reply::Refused)
-                .ok_or_else(|| garbage(format!("{} is no answer", quoted(&frame[4..]))));
+            let slots = refused(&value).map(Reply::Refused);
+            return slots.ok_or_else(|| garbage(format!("{} is no answer", quoted(text))));
         }
         Some(2) => {}
         _ => return Err(garbage(format!("{} is no frame of an answer", quoted(frame)))),
@@ -674,14 +677,25 @@ pub fn read_frame(
                 plan(points.take_while(|(time, speed)| !(time.is_nan() && speed.is_nan())).collect())
             }
         }?;
-        let mode = if columns > own { value(own) } else { -1.0 };
-        let known = (mode >= 0.0).then(|| modes.get(mode as usize)).flatten();
+        let mode = if columns > own { known_mode(value(own), modes)? } else { Mode::NONE };
         let speed = (gives == Answer::Speed).then(|| value(0));
         let curvature = Some(own + 1).filter(|column| *column < columns).map(value);
         let curvature = curvature.filter(|value| !value.is_nan()).map(steered).transpose()?;
-        Ok(Decision { order, mode: known.cloned().unwrap_or(Mode::NONE), curvature, speed })
+        Ok(Decision { order, mode, curvature, speed })
     };
     each(frame[12..].chunks_exact(8 * columns.max(1)).zip(asked).map(decision))
+}
+
+/// The mode of that index of those in the hello; -1 is none.
+fn known_mode(index: f64, modes: &[Mode]) -> Result<Mode, ProgramFault> {
+    if index == -1.0 {
+        return Ok(Mode::NONE);
+    }
+    let place = (index.fract() == 0.0 && index >= 0.0).then_some(index as usize);
+    place.and_then(|place| modes.get(place)).cloned().ok_or_else(|| match modes.len() {
+        0 => bad_value(format!("a mode of {index}, and its hello has no `modes`: -1 is none")),
+        many => bad_value(format!("a mode of {index}, which is neither -1 nor a whole number of 0 .. {}", many - 1)),
+    })
 }
 
 fn bad_value(message: impl Into<String>) -> ProgramFault {

@@ -1,5 +1,6 @@
 //! The program as its users meet it at the command line and in editors.
 
+mod appearing;
 mod bugs;
 mod cli;
 mod contacts;
@@ -18,10 +19,13 @@ mod init;
 mod last_run;
 mod lsp;
 mod lsp_names;
+mod names;
 mod numbers;
 mod outputs;
 #[cfg(target_os = "linux")]
 mod pipes;
+#[cfg(unix)]
+mod printed;
 mod ratings;
 mod reports;
 #[cfg(unix)]

@@ -100,6 +100,7 @@ fn world(settings: &Settings, time_to_arrival: f64) -> World {
             road: 0,
             lane: 0,
             speed: CRUISE,
+            initial_speed: None,
             start: VehicleStart::TimeToArrival {
                 time: time_to_arrival,
                 reference: VehicleReference::Front,

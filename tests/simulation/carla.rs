@@ -38,6 +38,7 @@ fn encounter(tta: f64, car: &str, agent: &[(&str, Value)], walker: &[(&str, Valu
             road: 0,
             lane: 0,
             speed: 30.0 / 3.6,
+            initial_speed: None,
             start: VehicleStart::TimeToArrival { time: tta, reference: VehicleReference::Centre, x: 0.0 },
             behind: 0.0,
             sees: None,

@@ -38,6 +38,7 @@ fn zebra(controller: &str, tta: f64, person: Settings) -> World {
             road: 0,
             lane: 0,
             speed: SPEED,
+            initial_speed: None,
             start: VehicleStart::TimeToArrival { time: tta, reference: VehicleReference::Centre, x: 0.0 },
             behind: 0.0,
             sees: None,

@@ -122,6 +122,7 @@ fn encounter(controller: &Arc<ControllerModel>, dynamics: &Arc<DynamicsModel>, d
             road: 0,
             lane: 0,
             speed: 30.0 / 3.6,
+            initial_speed: None,
             start: VehicleStart::TimeToArrival {
                 time: drawn(draws, 3.0, 9.0),
                 reference: VehicleReference::Centre,

@@ -43,6 +43,7 @@ pub fn car(name: &str, lane: usize, speed: f64, start: VehicleStart) -> VehicleS
         road: 0,
         lane,
         speed,
+        initial_speed: None,
         start,
         behind: 0.0,
         sees: None,

@@ -120,6 +120,7 @@ impl Zebra {
                 road: 0,
                 lane: 0,
                 speed: SPEED,
+                initial_speed: None,
                 start: VehicleStart::TimeToArrival {
                     time: self.arrival,
                     reference: VehicleReference::Front,

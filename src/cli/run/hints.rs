@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::Command;
 
 use crate::cli::exit::Exit;
-use files::escape::terminal_line;
+use files::escape::{shell_path, terminal_line};
 use report::console::stderr;
 
 /// The command of `program` that a word is nearly.
@@ -55,7 +55,8 @@ pub fn project() -> Exit {
     if files.len() > MOST_LISTED {
         writeln!(stderr(), "  and {} more", files.len() - MOST_LISTED);
     }
-    writeln!(stderr(), "help: run one of them by `scenario-runner {}`", first.display());
+    let first = shell_path(&first.to_string_lossy());
+    writeln!(stderr(), "help: run one of them by `scenario-runner {first}`");
     Exit::Usage
 }
 

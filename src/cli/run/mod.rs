@@ -22,6 +22,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Command, ValueEnum};
 
 use super::interrupt::stop_on_interrupt;
+use super::one_case::known_alone;
 use super::{Exit, filter, load, measured, store};
 use lang::filter::Show;
 use report::console::stderr;
@@ -162,7 +163,9 @@ pub fn run(arguments: RunArguments, registry: &Registry, program: &Command) -> E
         units.iter().for_each(|unit| select::with_subject(suites, &unit, &mut *show));
     };
     filter::warn(&expressions, &each, colour);
-    let word = filters.first().map(|filter| filter.as_str());
+    let said = filters.first().map(|filter| filter.as_str());
+    let alone = said.and_then(|word| known_alone(word, suites));
+    let word = alone.as_deref().or(said);
     let subjects = (&arguments.select.subjects, arguments.select.partition);
     let select = |failed: Option<&BTreeSet<String>>| {
         select::select(suites, &units, &expressions, word, subjects, failed)

@@ -180,7 +180,7 @@ pub fn write(arguments: &OutputArguments, results: &Results, on_github: bool) ->
 
 /// Annotations go to stdout; the summary goes to the file that GitHub names.
 fn tell_github(results: &Results, repository: &Repository) -> Option<String> {
-    write!(stdout(), "{}", annotations(results, repository));
+    stdout().verbatim(&annotations(results, repository));
     let path = env::var_os("GITHUB_STEP_SUMMARY").filter(|path| !path.is_empty())?;
     let summary = step_summary(results);
     let error = append_text(Path::new(&path), &summary).err()?;

@@ -17,7 +17,7 @@ use results::{
     TrialReport, TrialState, UnitReport, Verdict,
 };
 use runner::corpus::{case_hash, corpus_path, is_unchecked, record, write_corpus};
-use runner::plan::{Plan, PlannedTrial};
+use runner::plan::PlannedTrial;
 use runner::project::PlannedSuite;
 use runner::run::Stop;
 use runner::session::{Units, Work, gate_key};
@@ -58,7 +58,7 @@ pub fn failures(
         let known =
             |new: &Recorded| suite.recorded.iter().any(|old| old.key == new.key && old.seed == new.seed);
         let new: Vec<_> =
-            speaking_against(&suite.plan, report, requests).into_iter().filter(|one| !known(one)).collect();
+            speaking_against(suite, report, requests).into_iter().filter(|one| !known(one)).collect();
         let mut kept: Vec<Recorded> = suite.recorded.clone();
         if arguments.prune_failures {
             let is_obsolete = |one: &Recorded| obsolete.iter().any(|gone| *gone.recorded == *one);
@@ -98,12 +98,14 @@ pub fn failures(
 }
 
 /// The runs that failed criteria name as their worst, each with all that it speaks against.
-fn speaking_against(plan: &Plan, report: &SuiteReport, requests: &Requests) -> Vec<Recorded> {
+fn speaking_against(suite: &PlannedSuite, report: &SuiteReport, requests: &Requests) -> Vec<Recorded> {
     let failed = report.placed_trials().filter(|(_, trial)| {
         trial.verdict() == Some(Verdict::Failed)
             || trial.standing() == Standing::NotFinished(CutBy::GateFailed)
     });
-    failed.flat_map(|(place, trial)| runs_against(&plan.trial(place), trial, requests)).collect()
+    let against = failed.flat_map(|(place, trial)| runs_against(&suite.plan.trial(place), trial, requests));
+    // The file lies beside the suite: what else was run is no part of a name in it.
+    against.map(|one| Recorded { key: suite.suite.own_key(&one.key).to_string(), ..one }).collect()
 }
 
 fn runs_against(planned: &PlannedTrial, trial: &TrialReport, requests: &Requests) -> Vec<Recorded> {
@@ -230,8 +232,9 @@ impl LastRun {
     /// The units that did not pass; where a gate or rating did not, all units of its suite, since it takes all to judge it.
     pub fn failed_units(&self, suites: &[PlannedSuite], units: &Units) -> BTreeSet<String> {
         let gate_failed = |suite: &Suite| {
-            let failed = |gate: &Gate| self.failed.contains(&gate_key(&suite.name, gate));
-            let rating = |rating: &Rating| self.failed.contains(&RatingReport::key_of(&suite.name, rating));
+            let name = suite.key_name();
+            let failed = |gate: &Gate| self.failed.contains(&gate_key(&name, gate));
+            let rating = |rating: &Rating| self.failed.contains(&RatingReport::key_of(&name, rating));
             suite.gates.iter().any(failed) || suite.ratings.iter().any(rating)
         };
         let gates: Vec<bool> = suites.iter().map(|suite| gate_failed(&suite.suite)).collect();

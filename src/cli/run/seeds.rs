@@ -33,7 +33,7 @@ impl TriedSeeds {
     pub fn earlier(&self, suites: &[PlannedSuite]) -> Vec<Vec<TriedSeed>> {
         let of = |suite: &PlannedSuite| {
             let now = TriedSeed { seed: suite.plan.seed, passed: true };
-            self.0.earlier(&name(&suite.file, &suite.plan.suite, &suite.suite.set), &now)
+            self.0.earlier(&name(&suite.file, &suite.suite.key_name(), &suite.suite.set), &now)
         };
         suites.iter().map(of).collect()
     }

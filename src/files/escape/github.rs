@@ -1,5 +1,7 @@
 //! GitHub's workflow commands, `::error file=…,title=…::message`, one a line.
 
+use std::borrow::Cow;
+
 use super::visible::visible;
 
 /// Text after the second `::`; its line ends are kept.
@@ -11,6 +13,21 @@ pub fn github_data(text: &str) -> String {
 /// The value of a property, such as a file or a title.
 pub fn github_property(text: &str) -> String {
     github_data(text).replace(':', "%3A").replace(',', "%2C")
+}
+
+/// Text for a log that GitHub may read: no line of it is a workflow command, whatever names stand at its beginning. Those of this program are
+/// written past this.
+pub fn without_commands(text: &str) -> Cow<'_, str> {
+    let begins = |line: &str| line.trim_start().starts_with("::");
+    if !text.contains("##[") && !text.lines().any(begins) {
+        return Cow::Borrowed(text);
+    }
+    let line = |line: &str| match begins(line) {
+        true => line.replacen("::", "\\u{3a}:", 1),
+        false => line.to_string(),
+    };
+    // Of the older kind, which may stand anywhere in a line.
+    Cow::Owned(text.split_inclusive('\n').map(line).collect::<String>().replace("##[", "#\\u{23}["))
 }
 
 #[cfg(test)]
@@ -29,6 +46,15 @@ mod tests {
         };
         let pair = |one: &str| one.split_once('=').map(|(name, value)| (name.to_string(), back(value)));
         (properties.split(',').map(|one| pair(one).expect("it is a property")).collect(), back(message))
+    }
+
+    #[test]
+    fn no_name_is_a_command() {
+        assert_eq!(without_commands("::error::x.scn\n  ::set-env\n"), "\\u{3a}:error::x.scn\n  \\u{3a}:set-env\n");
+        assert_eq!(without_commands("a ##[error]b"), "a #\\u{23}[error]b");
+        for plain in ["a::b", "error: ::x", "# [x]", "", "\n"] {
+            assert!(matches!(without_commands(plain), Cow::Borrowed(same) if same == plain), "{plain}");
+        }
     }
 
     proptest! {

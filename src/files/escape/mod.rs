@@ -16,12 +16,13 @@ mod visible;
 mod xml;
 
 pub use self::csv::csv_cell;
-pub use self::github::{github_data, github_property};
+pub use self::github::{github_data, github_property, without_commands};
 pub use self::html::{html, html_characters};
 pub use self::markdown::{markdown, markdown_code, markdown_fenced};
-pub use self::shell::shell_word;
+pub use self::shell::{shell_path, shell_word};
 pub use self::tap::{tap_description, tap_text, yaml_quoted};
 pub use self::terminal::{terminal, terminal_line, terminal_same_bytes, terminal_styled};
+pub use self::visible::{is_command, json_text};
 pub use self::xml::{xml, xml_line};
 
 #[cfg(test)]

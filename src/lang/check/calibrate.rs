@@ -294,7 +294,7 @@ fn observations(
     report: &mut Vec<Diagnostic>,
 ) -> Option<Observations> {
     let path = node.path();
-    let file = places.beside(path.span(), &path.value());
+    let file = places.beside(path.span(), &path.path());
     let short =
         Path::new(&file).file_name().map_or_else(|| file.clone(), |name| name.to_string_lossy().into_owned());
     let wrong = |message: String| {

@@ -56,7 +56,7 @@ pub fn controller(
     }
     let file = program_file(name, block, report);
     let environment = environment(block, report);
-    let folder = block.folder().map(|said| said.path().value());
+    let folder = block.folder().map(|said| said.path().path());
     let gives = match block.gives() {
         Some(said) if said.is_pedals() => Answer::Pedals,
         Some(said) if said.is_speed_plan() => Answer::SpeedPlan,
@@ -192,7 +192,7 @@ fn program_file(
 
 /// The name of a file.
 fn file(said: ast::Text, hint: &str, report: &mut Vec<Diagnostic>) -> Option<String> {
-    let file = said.value();
+    let file = said.path();
     if file.trim().is_empty() || file.contains('\0') {
         report.push(unstartable(said.span(), "no file is named", hint));
         return None;
@@ -225,7 +225,7 @@ fn module(said: ast::Wasm, block: ast::ControllerBlock, report: &mut Vec<Diagnos
 }
 
 fn command(said: ast::Command, report: &mut Vec<Diagnostic>) -> Option<Vec<String>> {
-    let words: Vec<String> = said.words().map(ast::Text::value).collect();
+    let words: Vec<String> = said.words().map(ast::Text::word).collect();
     let hint = "write each word of the command in quotes of its own: `command \"python3\", \"my_av.py\"`";
     if words.first().is_none_or(|first| first.trim().is_empty()) {
         report.push(unstartable(said.span(), "the first word names no program", hint));

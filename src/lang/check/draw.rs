@@ -3,11 +3,11 @@
 use std::collections::{HashMap, HashSet};
 
 use super::block::Layer;
-use super::draw_table::{self, ReadTable};
+use super::draw_table::{self, ReadTable, WEIGHT};
 use super::places::TextPlaces;
 use super::variation::{DrawnFrom, drawn_from, varied_names};
 use crate::codes::Code;
-use crate::diagnostic::Diagnostic;
+use crate::diagnostic::{Diagnostic, nearest};
 use crate::settings::repeated;
 use crate::source::Span;
 use crate::syntax::ast;
@@ -129,9 +129,10 @@ fn single(
     let (name, span) = (node.name().text().to_string(), node.name().span());
     let origin = places.origin(node.span());
     if let Some(file) = node.file() {
-        let (path, table) = read(file, places, report)?;
+        let (path, table) = read(file, |column| column == name || column == WEIGHT, places, report)?;
+        refuse_near_weight(file.span(), &table, &name, report);
         let Some(index) = table.by_name().get(name.as_str()).copied() else {
-            let names = table.columns.iter().map(|column| column.name.as_str());
+            let names = table.header.iter().map(String::as_str).filter(|column| *column != WEIGHT);
             report.push(
                 Diagnostic::new(Code::BadDraw, span, format!("the file has no column `{name}`"))
                     .label("not in its header")
@@ -158,17 +159,55 @@ fn single(
     Some(Found { draw, columns: vec![NamedColumn { name, span, kind, notation, values }] })
 }
 
-/// `draw together from "exposure.csv"`
+/// Of a file of which one column is drawn the others are let off; one that is nearly called as weights are is taken for them.
+fn refuse_near_weight(span: Span, table: &ReadTable, drawn: &str, report: &mut Vec<Diagnostic>) {
+    let others = || table.header.iter().map(String::as_str).filter(|name| *name != drawn);
+    if others().any(|name| name == WEIGHT) {
+        return;
+    }
+    if let Some(near) = others().find(|name| nearest(name, [WEIGHT]).is_some()) {
+        report.push(
+            Diagnostic::new(Code::BadDraw, span, format!("the column `{near}` gives no row a weight"))
+                .label("all rows would be equally likely")
+                .hint(format!("did you mean `{WEIGHT}`? Weights stand in a column of that name")),
+        );
+    }
+}
+
+/// `draw together from "exposure.csv"`, perhaps `without id, date`
 fn table(node: ast::DrawTogether, places: &TextPlaces, report: &mut Vec<Diagnostic>) -> Option<Found> {
     let file = node.file();
-    let (path, table) = read(file, places, report)?;
+    let is_left_out = |column: &str| node.left_out().any(|name| name.text() == column);
+    let (path, table) = read(file, |column| !is_left_out(column), places, report)?;
+    for name in node.left_out() {
+        if !table.header.iter().any(|column| column == name.text()) {
+            report.push(
+                Diagnostic::new(Code::BadDraw, name.span(), format!("the file has no column `{}`", name.text()))
+                    .label("not in its header")
+                    .suggest(name.text(), table.header.iter().map(String::as_str)),
+            );
+        }
+    }
+    if table.columns.is_empty() {
+        report.push(
+            Diagnostic::new(Code::BadDraw, node.span(), "all columns of the file are left out")
+                .label("nothing is drawn")
+                .hint("leave out fewer columns"),
+        );
+        return None;
+    }
     let all: Vec<usize> = (0..table.columns.len()).collect();
     Some(of_columns(&path, &table, &all, file.span(), places.origin(node.span())))
 }
 
-fn read(file: ast::Text, places: &TextPlaces, report: &mut Vec<Diagnostic>) -> Option<(String, ReadTable)> {
-    let path = places.beside(file.span(), &file.value());
-    match draw_table::read(&path, places) {
+fn read(
+    file: ast::Text,
+    wanted: impl Fn(&str) -> bool,
+    places: &TextPlaces,
+    report: &mut Vec<Diagnostic>,
+) -> Option<(String, ReadTable)> {
+    let path = places.beside(file.span(), &file.path());
+    match draw_table::read(&path, wanted, places) {
         Ok(table) => Some((path, table)),
         Err((message, hint)) => {
             let found = Diagnostic::new(Code::BadDraw, file.span(), message);
@@ -274,7 +313,7 @@ pub fn refuse_in_criteria(
 }
 
 /// Leaves out draws that nothing depends on any more, of what the scenario builds on, and refuses its own: runs would look different and be
-/// the same. Columns of a table are let off if others of it are used.
+/// the same. So it does with columns of a table of which others are used, unless the table says that it is read without them.
 pub fn leave_out_unused(
     draws: &mut Vec<DeclaredDraw>,
     layers: &[Layer<ast::ScenarioBlock>],
@@ -286,6 +325,20 @@ pub fn leave_out_unused(
     let is_own = |span: Span| {
         own.is_some_and(|own| own.source == span.source && own.start <= span.start && span.end <= own.end)
     };
+    for draw in draws.iter() {
+        let used = |name: &String| {
+            used.contains(name.as_str())
+                || draws.iter().any(|draw| draw.depends_on().contains(&name.as_str()))
+        };
+        let others = draw.names.iter().filter(|name| !used(name));
+        for name in others.filter(|_| draw.names.iter().any(used)) {
+            let Some(binding) = bindings.get(name) else { continue };
+            // One that the scenario builds on may well use it.
+            if is_own(binding.span) || !is_mentioned(name, layers) {
+                report.push(idle_column(name, binding.span, layers));
+            }
+        }
+    }
     loop {
         let by_others = |name: &String| {
             used.contains(name.as_str())
@@ -307,6 +360,24 @@ pub fn leave_out_unused(
             .hint("use it in a value of a road user, or leave it out"),
         );
     }
+}
+
+/// Whether a value in any of the layers is made of the name.
+fn is_mentioned(name: &str, layers: &[Layer<ast::ScenarioBlock>]) -> bool {
+    layers.iter().flat_map(|layer| layer.block.every::<ast::Word>()).any(|word| word.text() == name)
+}
+
+/// A column of a table that nothing uses: perhaps another name was meant.
+fn idle_column(name: &str, span: Span, layers: &[Layer<ast::ScenarioBlock>]) -> Diagnostic {
+    let values = layers.iter().flat_map(|layer| layer.block.every::<ast::Reference>());
+    let known = values.map(|word| word.text()).chain([WEIGHT]).filter(|known| *known != name);
+    let finding = Diagnostic::new(Code::IdleDraw, span, format!("nothing uses the column `{name}`"))
+        .label("no road user depends on it");
+    let finding = match nearest(name, known) {
+        Some(near) => finding.hint(format!("did you mean `{near}`?")),
+        None => finding,
+    };
+    finding.hint(format!("if it is to be left out, say so: `draw together from … without {name}`"))
 }
 
 /// Says nothing of names that may well be columns of a file that could not be read.

@@ -12,10 +12,12 @@ use scenario::{Dimension, Notation, Value, VariedValue};
 const MOST_ROWS: usize = 1_000_000;
 
 /// What the column of weights is called.
-const WEIGHT: &str = "weight";
+pub const WEIGHT: &str = "weight";
 
 /// What stands in such a file.
 pub struct ReadTable {
+    /// What all of its columns are called, those that are not read among them.
+    pub header: Vec<String>,
     pub columns: Vec<TableColumn>,
     pub rows: Vec<Vec<VariedValue>>,
     /// One a row.
@@ -32,11 +34,11 @@ pub struct TableColumn {
 /// What is wrong with a file, and what to do about it.
 pub type Wrong = (String, String);
 
-/// The file of that path.
+/// The file of that path, with those of its columns that are `wanted`.
 ///
 /// # Errors
 /// If it cannot be read, or is no table that could be drawn from: what is wrong in which line, and the cure.
-pub fn read(path: &str, places: &TextPlaces) -> Result<ReadTable, Wrong> {
+pub fn read(path: &str, wanted: impl Fn(&str) -> bool, places: &TextPlaces) -> Result<ReadTable, Wrong> {
     let file = Path::new(path).file_name().map_or(path.into(), |name| name.to_string_lossy().into_owned());
     let text = places.files.text_of(path, &["csv"]).map_err(|error| {
         (
@@ -44,7 +46,7 @@ pub fn read(path: &str, places: &TextPlaces) -> Result<ReadTable, Wrong> {
             "name a CSV file beside this one, such as `\"exposure.csv\"`".to_string(),
         )
     })?;
-    parse(&text).map_err(|(line, message, hint)| {
+    parse(&text, wanted).map_err(|(line, message, hint)| {
         let place = if line == 0 { file } else { format!("{file}, line {line}") };
         (format!("{place}: {message}"), hint)
     })
@@ -57,7 +59,7 @@ fn wrong<T>(line: u64, message: impl Into<String>, hint: impl Into<String>) -> R
     Err((line, message.into(), hint.into()))
 }
 
-fn parse(text: &str) -> Result<ReadTable, WrongLine> {
+fn parse(text: &str, wanted: impl Fn(&str) -> bool) -> Result<ReadTable, WrongLine> {
     let mut reader = csv::ReaderBuilder::new()
         .comment(Some(b'#'))
         .trim(csv::Trim::All)
@@ -90,7 +92,7 @@ fn parse(text: &str) -> Result<ReadTable, WrongLine> {
             "write a row under its header",
         );
     }
-    table(heads, &cells)
+    table(heads, wanted, &cells)
 }
 
 /// A name, and the unit in square brackets behind it.
@@ -143,12 +145,17 @@ fn heads(header: &csv::StringRecord, line: u64) -> Result<Vec<Head>, WrongLine> 
     Ok(heads)
 }
 
-fn table(heads: Vec<Head>, cells: &[(u64, Vec<String>)]) -> Result<ReadTable, WrongLine> {
+fn table(
+    heads: Vec<Head>,
+    wanted: impl Fn(&str) -> bool,
+    cells: &[(u64, Vec<String>)],
+) -> Result<ReadTable, WrongLine> {
+    let header = heads.iter().map(|head| head.name.clone()).collect();
     let mut weights = vec![1.0; cells.len()];
     let mut columns = Vec::new();
     let mut rows: Vec<Vec<VariedValue>> = vec![Vec::new(); cells.len()];
     let number = |cell: &str| cell.parse::<f64>().ok().filter(|number| number.is_finite());
-    for (index, head) in heads.into_iter().enumerate() {
+    for (index, head) in heads.into_iter().enumerate().filter(|(_, head)| wanted(&head.name)) {
         let name = &head.name;
         if *name == WEIGHT {
             let is_share = head.unit.is_some_and(|unit| unit.dimension == Dimension::NUMBER);
@@ -210,7 +217,7 @@ fn table(heads: Vec<Head>, cells: &[(u64, Vec<String>)]) -> Result<ReadTable, Wr
             "divide all of them by the largest",
         );
     }
-    Ok(ReadTable { columns, rows, weights })
+    Ok(ReadTable { header, columns, rows, weights })
 }
 
 impl ReadTable {
@@ -232,7 +239,7 @@ mod tests {
     #[test]
     fn cells_have_the_units_of_their_columns() {
         let table =
-            parse("# counted by hand\ntta [s],speed [km/h],who,weight\n6,36,child,2\n8.5,18,adult,0\n")
+            parse("# counted by hand\ntta [s],speed [km/h],who,weight\n6,36,child,2\n8.5,18,adult,0\n", |_| true)
                 .unwrap_or_else(|_| panic!());
         assert_eq!(table.weights, [2.0, 0.0]);
         let row: Vec<_> = table.rows[0].iter().map(|one| (one.value.clone(), one.label.as_str())).collect();
@@ -240,14 +247,18 @@ mod tests {
             row,
             [(Value::Number(6.0), "6s"), (Value::Number(10.0), "36km/h"), ("child".into(), "child")]
         );
-        let plain = parse("n\n1\n2\n3\n").unwrap_or_else(|_| panic!());
+        let plain = parse("n\n1\n2\n3\n", |_| true).unwrap_or_else(|_| panic!());
         assert_eq!(plain.weights, [1.0; 3]);
+        // What is in the cells of others is theirs.
+        let some = parse("id,date,n\n7,2024-05-01,1\n8,2024-05-02,2\n", |name| name == "n");
+        let some = some.unwrap_or_else(|_| panic!());
+        assert_eq!((some.header, some.rows.len(), some.columns.len()), (vec!["id".into(), "date".into(), "n".into()], 2, 1));
     }
 
     #[test]
     fn what_is_wrong_is_said_with_its_line() {
         let said = |text: &str| {
-            let (line, message, hint) = parse(text).err().unwrap_or_else(|| panic!("{text}"));
+            let (line, message, hint) = parse(text, |_| true).err().unwrap_or_else(|| panic!("{text}"));
             format!("{line}: {message} ({hint})")
         };
         let all = [

@@ -126,7 +126,7 @@ fn condition(
     let (parameters, own_name) = if let Some(name) = node.name() {
         (by_name(name, subjects, subject, places, report)?, Some(name))
     } else if let Some(path) = node.path() {
-        let saved = places.beside(path.span(), &path.value());
+        let saved = places.beside(path.span(), &path.path());
         if !places.files.texts().is_file(Path::new(&saved)) {
             report.push(
                 Diagnostic::new(

@@ -59,7 +59,7 @@ pub fn gate(
     Some(Gate {
         name: name.text().to_string(),
         doc: literal::doc(block.doc()),
-        baseline: baseline.map(|string| places.beside(string.span(), &string.value()))?,
+        baseline: baseline.map(|string| places.beside(string.span(), &string.path()))?,
         sequential: block.sequential().is_some(),
         rules: rules.into_iter().collect::<Option<_>>()?,
         origin: places.origin(name.span()),

@@ -328,7 +328,7 @@ pub fn individuals_of(
 ) -> (String, Option<Result<Arc<str>, String>>) {
     let path = node.path();
     let population = match path {
-        Some(path) => places.beside(path.span(), &path.value()),
+        Some(path) => places.beside(path.span(), &path.path()),
         None => node.text().to_string(),
     };
     let text = path.map(|_| places.files.text_of(&population, &["csv", "json"]));

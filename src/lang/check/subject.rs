@@ -215,7 +215,7 @@ fn said_set(
     report: &mut Vec<Diagnostic>,
 ) -> Option<CaseSet> {
     if let Some(path) = node.path() {
-        let saved = places.beside(path.span(), &path.value());
+        let saved = places.beside(path.span(), &path.path());
         if saved_scenario(&saved, places).is_none() {
             report.push(
                 Diagnostic::new(

@@ -52,28 +52,49 @@ pub fn tested<'s>(
             }
             continue;
         };
-        for scenario in scenarios.clone() {
-            if scenario.vehicles.iter().all(|one| one.name != vehicle.text()) {
-                report.push(
-                    Diagnostic::new(
-                        Code::PartlyTested,
-                        node.span(),
-                        format!("scenario `{}` has no vehicle `{}`", scenario.name, vehicle.text()),
-                    )
-                    .label("is not tested there")
-                    .note(format!("declared in {}:{}", scenario.origin.file, scenario.origin.line))
-                    .hint("leave the scenario out, or rename its vehicle"),
-                );
-            }
+        let has_none = |one: &&Scenario| one.vehicles.iter().all(|own| own.name != vehicle.text());
+        let without: Vec<&Scenario> = scenarios.clone().filter(has_none).collect();
+        let all = scenarios.clone().count();
+        if !node.where_present() {
+            not_everywhere(node, &without, all, report);
         }
         let settings = node.settings().map(|settings| format!(" {}", phrase(*settings))).unwrap_or_default();
         instead.push(TestedInstead {
             vehicle: vehicle.text().to_string(),
             controller: format!("{}{settings}", node.name().text()),
             instead_of: names.iter().cloned().collect(),
+            partly: (!without.is_empty()).then_some((all - without.len(), all)),
         });
     }
     instead
+}
+
+/// A suite that tests a controller has it in each of its scenarios, or says that it knows; of the command line it is a warning, since its files
+/// may be of anything.
+fn not_everywhere(node: ast::Tested, without: &[&Scenario], all: usize, report: &mut Vec<Diagnostic>) {
+    let vehicle = node.vehicle().name().text();
+    let place = |one: &Scenario| format!("declared in {}:{}", one.origin.file, one.origin.line);
+    if node.is_of_command_line() {
+        report.extend(without.iter().map(|one| {
+            let message = format!("scenario `{}` has no vehicle `{vehicle}`", one.name);
+            Diagnostic::new(Code::PartlyTested, node.span(), message)
+                .label("is not tested there")
+                .note(place(one))
+                .hint("leave the scenario out, or rename its vehicle")
+        }));
+        return;
+    }
+    let Some(first) = without.first() else { return };
+    let message = match without.len() {
+        1 => format!("scenario `{}` has no vehicle `{vehicle}`", first.name),
+        some => format!("{some} of {all} scenarios have no vehicle `{vehicle}`, such as `{}`", first.name),
+    };
+    report.push(
+        Diagnostic::new(Code::NotTested, node.span(), message)
+            .label("is not tested there")
+            .note(place(first))
+            .hint("leave the scenario out, or rename its vehicle; if that is meant, say `where present` behind this"),
+    );
 }
 
 /// A value that is set for the controller that is replaced would be lost.

@@ -51,11 +51,16 @@ pub fn vehicle(
         check_fit(controller, dynamics, places, report);
     }
     let size = last(layers, ast::VehicleBlock::size).map(|said| size(said, "a vehicle", report));
-    let speed = match last(layers, ast::VehicleBlock::speed) {
-        Some(Said { node, scope }) => {
-            let what = "the speed of a vehicle";
-            value::quantity_within(node.value(), limits::VEHICLE_SPEED, what, scope, report)
-        }
+    let speed_within = |node, what: &str, scope, report: &mut Vec<Diagnostic>| {
+        value::quantity_within(node, limits::VEHICLE_SPEED, what, scope, report)
+    };
+    let said_speed = last(layers, ast::VehicleBlock::speed);
+    let initial_speed = said_speed.and_then(|Said { node, scope }| {
+        let value = node.initial()?.value();
+        Some(speed_within(value, "the speed of a vehicle at the start", scope, report))
+    });
+    let speed = match said_speed {
+        Some(Said { node, scope }) => speed_within(node.value(), "the speed of a vehicle", scope, report),
         None => {
             missing::<ast::Speed>(layers, name.span(), &what, report);
             None
@@ -98,6 +103,8 @@ pub fn vehicle(
     ] {
         written.settings(name.text(), part, given.map_or(&[], Vec::as_slice), places);
     }
+    let initial = initial_speed.as_ref().and_then(Option::as_ref);
+    written.statement(name.text(), "initial_speed", initial, places);
     let said = [("speed", speed.as_ref()), ("start", start.as_ref().and_then(|(_, typed)| typed.as_ref()))];
     for (statement, typed) in said {
         written.statement(name.text(), statement, typed, places);
@@ -121,6 +128,10 @@ pub fn vehicle(
             None => None,
         },
         speed: speed?.expression,
+        initial_speed: match initial_speed {
+            Some(initial) => Some(initial?.expression),
+            None => None,
+        },
         start: start?.0,
         road: driven.and_then(|(_, name)| name),
         lane: lane?,
@@ -411,7 +422,9 @@ pub fn write_vehicle(car: &Vehicle, out: &mut BlockText) {
     if let Some((long, wide)) = &car.size {
         out.line(&format!("size {} x {}", length(long), length(wide)));
     }
-    out.line(&format!("speed {}", constant(&car.speed, Dimension::SPEED)));
+    let speed = |expression| constant(expression, Dimension::SPEED);
+    let initial = car.initial_speed.as_ref().map_or_else(String::new, |from| format!(" from {}", speed(from)));
+    out.line(&format!("speed {}{initial}", speed(&car.speed)));
     if let Some(road) = &car.road {
         out.line(&format!("on {road}"));
     }

@@ -50,6 +50,8 @@ pub enum YamlShape {
     Text,
     /// `"text", "text"`
     Texts,
+    /// A path, or `{ file: PATH, without: [a, b] }`: `"path" without a, b`; a list makes one statement an item.
+    Table,
     /// A mapping of names to the blocks that it opens: `name { … }`
     Named,
     /// A name, or a block in place: `road NAME`, `road { … }`

@@ -63,6 +63,20 @@ fn value(statement: &StatementEntry, registry: &Registry) -> Value {
     match statement.shape {
         YamlShape::Words | YamlShape::Lines | YamlShape::Commas => one_or_several(&words()),
         YamlShape::Text => one_or_several(&json!({ "type": "string" })),
+        YamlShape::Table => one_or_several(&json!({
+            "anyOf": [
+                { "type": "string" },
+                {
+                    "type": "object",
+                    "properties": {
+                        "file": { "type": "string" },
+                        "without": one_or_several(&json!({ "type": "string" })),
+                    },
+                    "required": ["file", "without"],
+                    "additionalProperties": false,
+                },
+            ],
+        })),
         YamlShape::Named => mapping_of(&json!({ "anyOf": [reference(statement), { "type": "null" }] })),
         YamlShape::NameOrBlock => json!({ "anyOf": [{ "type": "string" }, reference(statement)] }),
         YamlShape::Statements if statement.opens == Some(BlockKind::Path) => {

@@ -188,6 +188,11 @@ impl Writer<'_> {
                     self.said(name, keyword, |writer| writer.quoted(item));
                 }
             }
+            YamlShape::Table => {
+                for item in Self::each(value) {
+                    self.said(name, keyword, |writer| writer.table(item));
+                }
+            }
             YamlShape::Texts => self.said(name, keyword, |writer| {
                 for (index, item) in Self::each(value).iter().enumerate() {
                     if index > 0 {
@@ -242,7 +247,11 @@ impl Writer<'_> {
                     self.said(name, keyword, |writer| {
                         writer.model(tested);
                         writer.text.push_str(" as ");
-                        writer.name(vehicle);
+                        // `av where present`
+                        match vehicle.scalar() {
+                            Some(words) if words.contains(' ') => writer.words(vehicle),
+                            _ => writer.name(vehicle),
+                        }
                     });
                 }
             }
@@ -372,6 +381,25 @@ impl Writer<'_> {
         self.text.push_str(" }");
     }
 
+    /// `exposure.csv`, or `{ file: exposure.csv, without: [id, date] }`
+    fn table(&mut self, value: &Yaml) {
+        let Content::Mapping(fields) = &value.value else { return self.quoted(value) };
+        match fields.as_slice() {
+            [(file, path), (without, names)]
+                if file.scalar() == Some("file") && without.scalar() == Some("without") =>
+            {
+                self.quoted(path);
+                self.text.push_str(" without ");
+                self.separated(names);
+            }
+            _ => self.wrong(
+                value,
+                "a table is a file, perhaps without some of its columns",
+                "write `exposure.csv` or `{ file: exposure.csv, without: [id, date] }`",
+            ),
+        }
+    }
+
     /// `name`, or `name: { setting: value }`
     fn model(&mut self, value: &Yaml) {
         match &value.value {
@@ -430,9 +458,12 @@ impl Writer<'_> {
     }
 
     fn separated(&mut self, value: &Yaml) {
-        for (index, item) in Self::each(value).iter().enumerate() {
-            if index > 0 {
-                self.text.push_str(", ");
+        let mut before = None;
+        for item in Self::each(value) {
+            // Where a comma may have been meant as a decimal point it is seen by the space behind it.
+            if let Some(end) = before.replace(item.end) {
+                let is_tight = self.yaml.get(end..item.start) == Some(",");
+                self.text.push_str(if is_tight { "," } else { ", " });
             }
             self.words(item);
         }

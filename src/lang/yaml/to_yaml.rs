@@ -80,6 +80,16 @@ fn settings(said: Option<ast::Settings>) -> String {
     if pairs.is_empty() { "{}".to_string() } else { format!("{{ {} }}", pairs.join(", ")) }
 }
 
+/// A path, or `{ file: "exposure.csv", without: ["id", "date"] }`
+fn table(said: ast::DrawTogether) -> String {
+    let path = serde_json::Value::from(said.file().value());
+    let left_out: Vec<String> = said.left_out().map(|name| name.text().to_string()).collect();
+    match left_out.is_empty() {
+        true => path.to_string(),
+        false => format!("{{ file: {path}, without: {} }}", flow_list(left_out.into_iter())),
+    }
+}
+
 fn settings_of<'t>(node: Node<'t>) -> Option<ast::Settings<'t>> {
     node.parts().next()
 }
@@ -117,6 +127,14 @@ fn write(statement: &StatementEntry, statements: &[Node], depth: usize, out: &mu
             match texts.as_slice() {
                 [only] => line(depth, &format!("{key}: {}", serde_json::Value::from(only.as_str())), out),
                 _ => line(depth, &format!("{key}: {}", flow_list(texts.into_iter())), out),
+            }
+        }
+        YamlShape::Table => {
+            let tables: Vec<String> =
+                statements.iter().copied().filter_map(ast::DrawTogether::cast).map(table).collect();
+            match tables.as_slice() {
+                [only] => line(depth, &format!("{key}: {only}"), out),
+                several => line(depth, &format!("{key}: [{}]", several.join(", ")), out),
             }
         }
         YamlShape::Texts => {
@@ -192,6 +210,7 @@ fn write(statement: &StatementEntry, statements: &[Node], depth: usize, out: &mu
                     Some(given) => format!("{{ {controller}: {} }}", settings(Some(given))),
                     None => controller.to_string(),
                 };
+                let vehicle = if tested.where_present() { format!("{vehicle} where present") } else { vehicle.into() };
                 line(depth + 1, &format!("{vehicle}: {said}"), out);
             }
         }

@@ -184,6 +184,7 @@ pub fn world(length: f64, width: f64) -> World {
             road: 0,
             lane: 0,
             speed: CRUISE,
+            initial_speed: None,
             start: VehicleStart::Distance(100.0),
             behind: 0.0,
             sees: None,

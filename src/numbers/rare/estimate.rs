@@ -58,6 +58,29 @@ impl ReplicateRuns {
     }
 }
 
+/// The same replicates of the encounters that there are: runs of these numbers, in order, are left out, since there is no such encounter.
+/// None of them has the event. How much of everything they are is known by the runs that are drawn as without a method.
+pub fn leaving_out(replicates: &[ReplicateRuns], left_out: &[usize]) -> Vec<ReplicateRuns> {
+    let within = |first: usize, runs: u64| {
+        let place = |run: usize| left_out.partition_point(|one| *one < run);
+        (place(first + runs as usize) - place(first)) as u64
+    };
+    let drawn: u64 = replicates.iter().map(|one| one.nominal_runs).sum();
+    let left: u64 = replicates.iter().map(|one| within(one.first, one.nominal_runs)).sum();
+    let scale = if left < drawn { drawn as f64 / (drawn - left) as f64 } else { 1.0 };
+    let one = |one: &ReplicateRuns| {
+        let hit = |hit: &WeighedHit| WeighedHit { weight: hit.weight * scale, ..hit.clone() };
+        ReplicateRuns {
+            probability: one.probability * scale,
+            nominal_runs: one.nominal_runs - within(one.first, one.nominal_runs),
+            nominal_hits: one.nominal_hits.clone(),
+            hits: one.hits.iter().map(hit).collect(),
+            ..*one
+        }
+    };
+    replicates.iter().map(one).collect()
+}
+
 /// On which scale the interval of replicates is symmetric.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum RareScale {

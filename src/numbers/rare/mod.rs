@@ -18,7 +18,7 @@ mod tests;
 pub use crude::CrudeSampling;
 pub use estimate::{
     CONTRADICTION, LARGEST_DEVIATION, LARGEST_SHARE, LEAST_EFFECTIVE, RareEstimate, RareRefusal, RareScale,
-    ReplicateRuns, WeighedHit,
+    ReplicateRuns, WeighedHit, leaving_out,
 };
 pub use importance::ImportanceSampling;
 pub use paired::{PairedEvent, PairedRareEstimate, RarePart};

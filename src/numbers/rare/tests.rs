@@ -23,7 +23,7 @@ fn space(dimensions: usize) -> RareSpace {
 }
 
 /// Tells a method what becomes of its runs, the second argument being whether they are a pilot's; how many there were.
-fn told(method: &mut dyn RareSampling, outcome: impl Fn(&RarePoint, bool) -> RareOutcome) -> usize {
+fn told(method: &mut dyn RareSampling, mut outcome: impl FnMut(&RarePoint, bool) -> RareOutcome) -> usize {
     let mut runs = 0;
     while let Some(round) = method.ask() {
         runs += round.points.len();
@@ -45,6 +45,34 @@ fn run(method: &mut dyn RareSampling, problem: &Problem, space: &RareSpace) -> u
 fn mean_and_error(values: &[f64]) -> (f64, f64) {
     let mean = crate::summary::mean(values).unwrap();
     (mean, crate::summary::std(values).unwrap() / (values.len() as f64).sqrt())
+}
+
+/// Of runs that are drawn as they are it is as if those that are left out had not been made.
+#[test]
+fn what_is_left_out_is_no_part_of_what_a_probability_is_of() {
+    let space = space(1);
+    let estimate = |left_out: &[usize]| {
+        let mut method = CrudeSampling::new(space.clone(), 2000, 7);
+        told(&mut method, |one, _| RareOutcome { event: one.point[0] < 0.1, score: one.point[0] });
+        RareEstimate::of(&space, &leaving_out(method.replicates(), left_out), RareScale::Exact)
+    };
+    let all = estimate(&[]);
+    // The half that is left out has no event in it.
+    let without: Vec<usize> = {
+        let mut method = CrudeSampling::new(space.clone(), 2000, 7);
+        let (mut number, mut found) = (0, Vec::new());
+        told(&mut method, |one, _| {
+            found.extend((one.point[0] >= 0.5).then_some(number));
+            number += 1;
+            RareOutcome { event: false, score: 1.0 }
+        });
+        found
+    };
+    let kept = estimate(&without);
+    assert_eq!(kept.nominal, (2000 - without.len() as u64, all.nominal.1));
+    assert!((kept.value - all.nominal.1 as f64 / kept.nominal.0 as f64).abs() < 1e-12, "{}", kept.value);
+    let values = (all.value, kept.value);
+    assert!((0.07..0.13).contains(&values.0) && (1.9..2.1).contains(&(values.1 / values.0)), "{values:?}");
 }
 
 #[derive(Default, Debug)]

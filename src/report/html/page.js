@@ -84,7 +84,7 @@
       const code = document.createElement("code"), button = document.createElement("button");
       said.className = "command pointed";
       said.setAttribute("role", "status");
-      code.textContent = figures.dataset.replay.replace("{run}", () => key);
+      code.textContent = figures.dataset.replay.replace("{run}", () => key.replaceAll("'", "'\\''"));
       button.type = "button";
       button.textContent = "copy";
       button.hidden = true;

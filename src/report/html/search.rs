@@ -14,6 +14,7 @@ use crate::usual::tail_text;
 use crate::wording::{keep_text, verdict_mark};
 use numbers::summary::mean;
 use optimise::{Coordinate, OptimisationEnd};
+use crate::found::left_out_words;
 use results::{Found, JudgedRun, JudgedSearch, SearchResult, SuiteReport, Verdict};
 use scenario::Search;
 
@@ -122,7 +123,7 @@ impl SearchSection {
         };
         Self {
             usual: UsualSection::new(report, search, result),
-            sentences: hunt.sentences(),
+            sentences: hunt.sentences().into_iter().chain(left_out_words(result)).collect(),
             dimensions: hunt.dimensions.iter().map(|one| one.quantity().label()).collect(),
             objective: hunt.objective.heading(),
             keeps: !search.keep.is_empty(),

@@ -1,13 +1,14 @@
 //! The file of failures: text that people can read, sorted, so that it can be compared and merged.
 //!
 //! Every record ends with a checksum of its lines: another digit in a seed would be another run, which does not fail. Whole records
-//! may be taken out, put in and moved by hand, their lines may not.
+//! may be taken out, put in and moved by hand, their lines may not. A name with what a terminal would obey stands there as JSON.
 
 use std::io;
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
+use files::escape::{is_command, json_text};
 use files::{self, Files, ReadError};
 use results::Recorded;
 use scenario::{Assignment, Value};
@@ -120,7 +121,7 @@ fn text(records: &[Recorded]) -> String {
 
 /// A record without its checksum.
 fn lines(record: &Recorded) -> String {
-    let mut text = format!("{}\n", record.key);
+    let mut text = format!("{}\n", visible_words(&record.key));
     let mut field = |name: &str, value: &str| text += &field_line(name, value);
     field("scenario", &record.scenario);
     field("seed", &record.seed.to_string());
@@ -138,7 +139,18 @@ fn lines(record: &Recorded) -> String {
 }
 
 fn field_line(name: &str, value: &str) -> String {
-    format!("  {name:<10}  {value}\n")
+    format!("  {name:<10}  {}\n", visible_words(value))
+}
+
+/// A text as it is; as JSON if it has what a reader's program would obey, or would be read as something else.
+fn visible_words(text: &str) -> String {
+    let is_plain = text == text.trim() && !text.starts_with(['"', '#']) && !text.contains(is_command);
+    if is_plain { text.to_string() } else { json_text(text) }
+}
+
+/// The text of [`visible_words`].
+fn read_words(text: &str) -> Option<String> {
+    if text.starts_with('"') { serde_json::from_str(text).ok() } else { Some(text.to_string()) }
 }
 
 /// The last field of a record.
@@ -165,7 +177,8 @@ fn drafts(text: &str) -> Result<Vec<Draft>, (usize, String)> {
             continue;
         }
         if !line.starts_with(' ') {
-            let (key, lines) = (line.trim_end().to_string(), format!("{line}\n"));
+            let wrong = || (number, "this is no key of a run".to_string());
+            let (key, lines) = (read_words(line.trim_end()).ok_or_else(wrong)?, format!("{line}\n"));
             records.push(Draft { line: number, key, lines, ..Draft::default() });
             continue;
         }
@@ -174,7 +187,9 @@ fn drafts(text: &str) -> Result<Vec<Draft>, (usize, String)> {
             return Err((number, "nothing of a record stands after its checksum".to_string()));
         }
         let (name, value) = line.trim().split_once(' ').unwrap_or((line.trim(), ""));
-        record.read(name, value.trim()).map_err(|reason| (number, reason))?;
+        let value = value.trim();
+        let words = read_words(value).ok_or_else(|| (number, format!("`{value}` is no text")))?;
+        record.read(name, &words).map_err(|reason| (number, reason))?;
         if name != CHECKSUM {
             record.lines += line;
             record.lines.push('\n');

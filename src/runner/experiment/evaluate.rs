@@ -173,7 +173,7 @@ impl Series<'_> {
                     0 => format!("case={}", index + 1),
                     _ => format!("case={}/fresh={}", index + 1, fresh + 1),
                 };
-                let key = format!("{}/{name}/{}/{within}", suite.name, condition.name);
+                let key = format!("{}/{name}/{}/{within}", suite.key_name(), condition.name);
                 let seed = (self.evaluate.fresh > 0)
                     .then(|| derive_seed(suite.seed, &format!("{}/{name}/{within}", suite.name)));
                 cases.push(self.context.revive(&case, &setup.settings, key.clone(), seed)?);

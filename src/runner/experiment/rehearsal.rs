@@ -86,6 +86,6 @@ fn attempt(
         let shown = value.number().map(|number| range.shown_in().show(number).replace(' ', ""));
         format!("/{name}={}", shown.unwrap_or_else(|| value.to_string()))
     });
-    let key = format!("{}/{}{}", suite.name, search.name, shown.collect::<String>());
+    let key = format!("{}/{}{}", suite.key_name(), search.name, shown.collect::<String>());
     plan::concrete_case(&scenario, key, variation, people.to_vec(), 1, suite.seed).map(|_| ())
 }

@@ -14,7 +14,7 @@ use serde::Serialize;
 use super::context::Context;
 use super::error::ExperimentError;
 use super::journal::Record;
-use crate::run::{Done, Job, JobFailure, JobPlace, Sequence, Sequences, run_sequences};
+use crate::run::{Done, Job, JobFailure, JobPlace, RunError, Sequence, Sequences, run_sequences};
 use optimise::{Definition, Evaluation, Optimiser, Proposal};
 use results::Outcome;
 use scenario::Case;
@@ -78,6 +78,12 @@ pub trait EvaluateRound: Sync {
     /// How many runs may be made that turn out not to be needed.
     fn ahead(&self) -> usize {
         usize::MAX
+    }
+
+    /// Whether a run that fails like this is left out of its evaluation, which is then of the others.
+    fn leaves_out(&self, error: &RunError) -> bool {
+        let _ = error;
+        false
     }
 
     /// What the outcomes of these cases come to, which are not all where they were enough before.
@@ -152,8 +158,8 @@ fn round(
             let evaluated = known.map(Ok);
             // The first of a block is made twice, whatever people it is of.
             let number = proposal.id as usize * cases.len() + usize::from(offset + place > 0);
-            let outcomes = Vec::new();
-            Ok(Proposed { place, proposal, cases, outcomes, number, evaluated, evaluate, context })
+            let (outcomes, left_out) = (Vec::new(), 0);
+            Ok(Proposed { place, proposal, cases, outcomes, left_out, number, evaluated, evaluate, context })
         };
         one.ask()?.into_iter().map(planned).collect()
     };
@@ -183,6 +189,8 @@ struct Proposed<'r> {
     proposal: Proposal,
     cases: Vec<Case>,
     outcomes: Vec<Outcome>,
+    /// How many runs were left out.
+    left_out: u32,
     /// Of its first run among those of the block.
     number: usize,
     evaluated: Option<Result<Evaluation, ExperimentError>>,
@@ -202,13 +210,15 @@ impl Sequence for Proposed<'_> {
     }
 
     fn take(&mut self, done: Done) -> ControlFlow<()> {
+        let made = self.outcomes.len() + self.left_out as usize;
         match done.result {
             Ok(mut ran) => {
-                if self.context.first_runs.takes(self.number + self.outcomes.len(), &done.case) {
+                if self.context.first_runs.takes(self.number + made, &done.case) {
                     self.context.first_runs.keep(&done.case, &mut ran);
                 }
                 self.outcomes.push(ran.outcome);
             }
+            Err(JobFailure::Error(error)) if self.evaluate.leaves_out(&error) => self.left_out += 1,
             Err(JobFailure::Error(error)) => {
                 let (values, key) = (self.evaluate.values(&self.proposal), done.case.key);
                 self.evaluated = Some(Err(ExperimentError::Run { values, key, error: Box::new(error) }));
@@ -216,9 +226,10 @@ impl Sequence for Proposed<'_> {
             }
             Err(JobFailure::Panicked(panicked)) => resume_unwind(Box::new(panicked)),
         }
-        if self.evaluate.is_enough(&self.outcomes) || self.outcomes.len() == self.cases.len() {
-            let abandoned = self.outcomes.len() < self.cases.len();
-            self.evaluated = Some(Ok(self.evaluate.evaluation(&self.cases, &self.outcomes, abandoned)));
+        if self.evaluate.is_enough(&self.outcomes) || made + 1 == self.cases.len() {
+            let abandoned = made + 1 < self.cases.len();
+            let evaluation = self.evaluate.evaluation(&self.cases, &self.outcomes, abandoned);
+            self.evaluated = Some(Ok(Evaluation { left_out: self.left_out, ..evaluation }));
             return ControlFlow::Break(());
         }
         ControlFlow::Continue(())

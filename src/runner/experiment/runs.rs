@@ -26,12 +26,19 @@ impl Context<'_> {
         cases: &[Case],
     ) -> Result<Vec<Outcome>, ExperimentError> {
         let batch = RunBatch { executor: self.executor, measured, stop: &self.stop };
-        batch.outcomes_keeping(&self.first_runs, number, cases.iter().cloned(), || ()).map_err(|error| {
-            match error {
-                BatchError::Run { key, error } => ExperimentError::Run { values: String::new(), key, error },
-                BatchError::Stopped => ExperimentError::Stopped,
-            }
-        })
+        batch.outcomes_keeping(&self.first_runs, number, cases.iter().cloned(), || ()).map_err(failed)
+    }
+
+    /// As [`Self::run_reading`]; `None` of a case in which somebody appears where there is no room, or would have to appear before the run
+    /// begins.
+    pub(super) fn run_leaving_out(
+        &self,
+        measured: &Arc<MeasuredMetrics>,
+        number: usize,
+        cases: &[Case],
+    ) -> Result<Vec<Option<Outcome>>, ExperimentError> {
+        let batch = RunBatch { executor: self.executor, measured, stop: &self.stop };
+        batch.outcomes_leaving_out(&self.first_runs, number, cases.iter().cloned()).map_err(failed)
     }
 
     /// Cases with their outcomes, in the same order.
@@ -157,6 +164,13 @@ impl Context<'_> {
             return None;
         };
         words.get(outcome.metrics[index]? as usize).map(ToString::to_string)
+    }
+}
+
+fn failed(error: BatchError) -> ExperimentError {
+    match error {
+        BatchError::Run { key, error } => ExperimentError::Run { values: String::new(), key, error },
+        BatchError::Stopped => ExperimentError::Stopped,
     }
 }
 

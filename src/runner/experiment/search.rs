@@ -11,6 +11,7 @@ use super::overrides;
 use super::plausible::{EncounterPlausibility, PartsCounted, PlausibleEncounters, front};
 use super::rounds::{EvaluateRound, Optimisation, optimise};
 use super::searched::{FRESH_RUNS, Searched, SearchedPeople, named_at};
+use crate::run::RunError;
 use numbers::random::derive_seed;
 use numbers::summary::mean;
 use optimise::{
@@ -100,6 +101,7 @@ fn run_groups(
     };
     let (mut found, mut over) = (Vec::with_capacity(groups.len()), Vec::with_capacity(groups.len()));
     let mut left = Vec::with_capacity(groups.len());
+    let mut left_out = 0;
     for groups in groups.chunks(SIDE_BY_SIDE) {
         let begin = |group: &SearchedPeople| under.begin(group);
         let mut all =
@@ -109,6 +111,8 @@ fn run_groups(
             found.push(one);
             left.push(of_it);
         }
+        let evaluated = all.iter().flat_map(|one| one.optimiser.trials());
+        left_out += evaluated.map(|one| one.evaluation.left_out as usize).sum::<usize>();
         over.extend(all.into_iter().map(Optimisation::into_record));
     }
     under.follow(&groups, &mut found)?;
@@ -138,6 +142,7 @@ fn run_groups(
         found,
         usual,
         judged,
+        left_out,
     })
 }
 
@@ -214,12 +219,21 @@ impl EvaluateRound for Groups<'_> {
         overrides::in_words(&self.under.search.over, &proposal.point)
     }
 
+    fn leaves_out(&self, error: &RunError) -> bool {
+        error.is_no_encounter()
+    }
+
     fn evaluation(&self, cases: &[Case], outcomes: &[Outcome], _: bool) -> Evaluation {
-        let (value, noise_variance) = self.under.objective(&self.under.evaluating, outcomes);
+        let (value, noise_variance) = match outcomes {
+            // All of its runs were left out.
+            [] => (None, None),
+            outcomes => self.under.objective(&self.under.evaluating, outcomes),
+        };
         Evaluation {
             objectives: vec![ObjectiveValue { value, noise_variance }],
             margins: self.under.margins(cases),
             repetitions: self.under.search.runs,
+            left_out: 0,
         }
     }
 
@@ -238,7 +252,7 @@ impl Under<'_> {
         let suite = self.context.suite;
         let name = self.searched.name(group);
         let space = overrides::space(&self.search.over)?;
-        let seed = derive_seed(suite.seed, &name);
+        let seed = derive_seed(suite.seed, suite.own_key(&name));
         let goals = vec![self.search.objective.direction];
         let constraints = self.bounds().count();
         let definition = definition(space, &self.search.budget, goals, constraints, seed);
@@ -276,21 +290,23 @@ impl Under<'_> {
         };
         let cases = context.executor.think(|| groups.par_iter().zip(all).map(once_more).collect::<Vec<_>>());
         let cases = cases.into_iter().collect::<Result<Vec<_>, ExperimentError>>()?.concat();
-        let mut outcomes = context.run_all(1, &cases.concat())?.into_iter();
+        let mut outcomes = self.run_leaving_out(&cases.concat())?.into_iter();
         let mut cases = cases.iter();
         let mut all_left = vec![LeftWithFreshSeeds::default(); found.len()];
         for ((one, found), left) in all.iter().zip(&mut found).zip(&mut all_left) {
             let Some(best) = one.optimiser.best_observed() else { continue };
             let mut next = || {
                 let cases = cases.next().expect("there are two of each that has a best point");
-                (cases, outcomes.by_ref().take(cases.len()).collect::<Vec<_>>())
+                let each = cases.iter().zip(outcomes.by_ref());
+                let made = each.filter_map(|(case, outcome)| Some((case.clone(), outcome?)));
+                made.unzip::<Case, Outcome, Vec<_>, Vec<_>>()
             };
             let ((again, runs), (_, fresh)) = (next(), next());
             found.passed_first = runs.first().and_then(|outcome| context.passed_first(outcome));
-            found.plausibility = self.plausibility(again).map(|one| one.share);
-            found.runs = self.saved(&best.point, again, runs);
+            found.plausibility = self.plausibility(&again).map(|one| one.share);
+            found.runs = self.saved(&best.point, &again, runs);
             found.kept = found.runs.iter().map(|run| self.keeps(run)).collect();
-            found.fresh = self.objective(context, &fresh).0;
+            found.fresh = if fresh.is_empty() { None } else { self.objective(context, &fresh).0 };
             let decided = context.seen(self.search.objective.aggregate.metric(), &fresh);
             found.fresh_runs = decided.iter().filter(|one| one.is_value()).count() as u32;
             let holding = fresh.iter().filter(|run| self.meets_expectations(run)).count();
@@ -365,6 +381,11 @@ impl Under<'_> {
             predictions.iter().find(|one| one.point == best.point).map(|one| (one.mean, one.deviation));
         found.slices = slices(fitted.as_ref(), &best.point);
         found
+    }
+
+    /// What came of cases, without those in which there is no encounter.
+    fn run_leaving_out(&self, cases: &[Case]) -> Result<Vec<Option<Outcome>>, ExperimentError> {
+        self.context.run_leaving_out(&self.context.measured, 1, cases)
     }
 
     fn objective(&self, context: &Context, outcomes: &[Outcome]) -> (Option<f64>, Option<f64>) {
@@ -517,10 +538,10 @@ impl Under<'_> {
             });
             fresh.push(self.searched.same_encounter(&key, &groups[index], point, &cases)?);
         }
-        let mut outcomes = self.context.run_all(1, &fresh.concat())?.into_iter();
+        let mut outcomes = self.run_leaving_out(&fresh.concat())?.into_iter();
         for (one, cases) in usual.front.iter_mut().zip(&fresh) {
-            let outcomes: Vec<Outcome> = outcomes.by_ref().take(cases.len()).collect();
-            one.fresh = self.objective(self.context, &outcomes).0;
+            let outcomes: Vec<Outcome> = outcomes.by_ref().take(cases.len()).flatten().collect();
+            one.fresh = if outcomes.is_empty() { None } else { self.objective(self.context, &outcomes).0 };
             let decided = self.context.seen(self.search.objective.aggregate.metric(), &outcomes);
             one.fresh_runs = decided.iter().filter(|one| one.is_value()).count() as u32;
         }
@@ -545,9 +566,9 @@ impl Under<'_> {
         let asked = self.context.executor.think(|| kept.par_iter().map(points).collect::<Vec<_>>());
         let asked = asked.into_iter().collect::<Result<Vec<_>, _>>()?.concat();
         let cases: Vec<Case> = asked.iter().flat_map(|one| &one.cases).cloned().collect();
-        let mut outcomes = self.context.run_all(1, &cases)?.into_iter();
+        let mut outcomes = self.run_leaving_out(&cases)?.into_iter();
         for AskedPoint { group, over, at, cases } in asked {
-            let outcomes: Vec<_> = outcomes.by_ref().take(cases.len()).collect();
+            let outcomes: Vec<_> = outcomes.by_ref().take(cases.len()).flatten().collect();
             let courses = &mut found[group].courses;
             if courses.last().is_none_or(|course| course.over != over) {
                 courses.push(MetricCourse { over, points: Vec::new() });

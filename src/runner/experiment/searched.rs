@@ -41,7 +41,7 @@ impl<'a> Searched<'a> {
     /// The beginning of the keys of a group's runs.
     pub fn name(&self, group: &[Vec<Individual>]) -> String {
         let label = if self.search.together { String::new() } else { plan::people_label(&group[0]) };
-        format!("{}/{}{label}", self.suite.name, self.search.name)
+        format!("{}/{}{label}", self.suite.key_name(), self.search.name)
     }
 
     /// The cases of one evaluation: everybody, in every variation that is not searched, `runs` times.
@@ -67,7 +67,7 @@ impl<'a> Searched<'a> {
                     if self.search.together { plan::people_label(people) } else { String::new() };
                 for run in 1..=runs {
                     let key = format!("{key}{labels}{people_label}/rep={run}");
-                    let seed = derive_seed(self.suite.seed, &key);
+                    let seed = derive_seed(self.suite.seed, self.suite.own_key(&key));
                     let people = people.clone();
                     cases.push(plan::concrete_case(&scenario, key, variation.clone(), people, run, seed)?);
                 }
@@ -90,7 +90,7 @@ impl<'a> Searched<'a> {
         let variation: Vec<Assignment> = case.variation.iter().cloned().chain(case.drawn_values()).collect();
         let again = (1..=FRESH_RUNS).map(|run| {
             let key = format!("{key}/rep={run}");
-            let seed = derive_seed(self.suite.seed, &key);
+            let seed = derive_seed(self.suite.seed, self.suite.own_key(&key));
             let (variation, people) = (variation.clone(), case.individuals.clone());
             Ok(plan::concrete_case(&scenario, key, variation, people, run, seed)?)
         });

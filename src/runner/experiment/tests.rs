@@ -69,6 +69,7 @@ fn scenario() -> Scenario {
             size: None,
             follows: Default::default(),
             speed: (30.0 / 3.6).into(),
+            initial_speed: None,
             start: DeclaredVehicleStart::Automatic,
             road: None,
             lane: 0,
@@ -195,6 +196,7 @@ fn suite() -> Suite {
     };
     Suite {
         name: "paper".into(),
+        apart: String::new(),
         doc: None,
         seed: 11,
         set: Vec::new(),

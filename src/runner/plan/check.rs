@@ -216,6 +216,10 @@ impl<'a> Checker<'a> {
         within("length", setup.length, limits::SIZE)?;
         within("width", setup.width, limits::SIZE)?;
         within("speed", setup.speed, limits::VEHICLE_SPEED)?;
+        if let Some(speed) = setup.initial_speed {
+            let what = || of("speed at the start");
+            self.within(&[name, "initial_speed"], what, speed, limits::VEHICLE_SPEED, own)?;
+        }
         within("follows", setup.behind, limits::BEHIND)?;
         if setup.lane >= world.road_of(setup).lanes.len() {
             let message = format!("the road has no lane {} for vehicle `{name}`", setup.lane);
@@ -229,7 +233,7 @@ impl<'a> Checker<'a> {
                     within("start", time, limits::VEHICLE_ARRIVAL)?;
                 }
                 self.finite(|| of("start"), x, own)?;
-                if setup.speed == 0.0 {
+                if setup.placing_speed() == 0.0 {
                     let message = format!("vehicle `{name}` stands still, so that it has no time to arrival");
                     let hint = "give it a speed, or a place: `start 80 m before crossing`";
                     return Err(PlanError::new(own, message).with_hint(hint));

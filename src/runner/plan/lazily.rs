@@ -7,6 +7,7 @@ use std::sync::{Arc, OnceLock};
 
 use rayon::prelude::*;
 
+use super::arrival::{check_arrivals, check_drawn_arrivals};
 use super::drawable::{CutOffDraw, DrawnTrial};
 use super::draws::{DrawAxis, DrawnRun, RunDraws, is_outermost};
 use super::error::PlanError;
@@ -58,6 +59,8 @@ pub struct ScenarioPlan(Arc<Common>);
 #[derive(Debug)]
 struct Common {
     suite: String,
+    /// As [`Suite::apart`].
+    apart: String,
     seed: u64,
     /// The groups of people that every trial is run with.
     people: Vec<Vec<Individual>>,
@@ -132,8 +135,9 @@ impl ScenarioPlan {
                 PlanError::new(&scenario.origin, message).with_hint("vary fewer values or repeat less often")
             );
         }
-        let (suite, seed, criteria) = (suite.name.clone(), suite.seed, criteria_of_all(scenario));
-        Ok(Self(Arc::new(Common { suite, seed, people, draws, combinations, rounds, runs, criteria })))
+        let (apart, criteria) = (suite.apart.clone(), criteria_of_all(scenario));
+        let (suite, seed) = (suite.name.clone(), suite.seed);
+        Ok(Self(Arc::new(Common { suite, apart, seed, people, draws, combinations, rounds, runs, criteria })))
     }
 
     /// How many trials there are.
@@ -178,7 +182,7 @@ impl ScenarioPlan {
 
     /// The same of a scenario of that name.
     fn key_of(&self, scenario: &str, variation: &[Assignment]) -> String {
-        let mut key = format!("{}/{scenario}", self.0.suite);
+        let mut key = format!("{}{}/{scenario}", self.0.apart, self.0.suite);
         for assignment in variation {
             key.extend(["/", &assignment.name, "=", &assignment.label]);
         }
@@ -260,6 +264,13 @@ impl ScenarioPlan {
     /// The trial with this index below [`Self::len`].
     pub fn trial(&self, index: usize) -> PlannedTrial {
         self.planned(index, Part::Whole).expect("it was planned before")
+    }
+
+    /// Whether everybody in the runs of a scenario that draws appears when it is said.
+    fn check_drawn(&self) -> Result<(), PlanError> {
+        let each = self.runs();
+        let case = |run: usize| self.trial(run / each).cases.get(run % each);
+        check_drawn_arrivals(self.scenario(), self.len().saturating_mul(each), case)
     }
 
     /// Every trial.
@@ -522,7 +533,7 @@ impl Cases {
                 trial.check(everybody && who == 0).map_err(|error| error.in_case(&planned.trial.key))?;
                 continue;
             }
-            let world = planned.resolve(who, setup::world)?;
+            let world = planned.resolve(who, world_to_begin)?;
             if keep {
                 planned.worlds[who].get_or_init(|| world);
             }
@@ -544,12 +555,12 @@ impl Planned {
 
     /// The name of a run, and its seed.
     fn key(&self, index: usize) -> (String, u64) {
-        let (scenario, Common { seed, people, .. }) = (self.of.scenario(), &*self.of.0);
+        let (scenario, Common { seed, people, apart, .. }) = (self.of.scenario(), &*self.of.0);
         let (who, repetition) = self.place(index);
         let rest = format!("{}/rep={repetition}", label(&people[who]));
         let seeded = |key: &str| match scenario.seed {
             Some(seed) if repetition == 1 => seed,
-            own => derive_seed(own.unwrap_or(*seed), key),
+            own => derive_seed(own.unwrap_or(*seed), key.strip_prefix(apart.as_str()).unwrap_or(key)),
         };
         let key = format!("{}{rest}", self.trial.key);
         let Some(other) = &self.chance_of else {
@@ -618,6 +629,17 @@ impl Planned {
 /// A world of a scenario where the variations have these values, with these people in it.
 type Resolve = fn(&Scenario, &Variables, &[Individual]) -> Result<World, PlanError>;
 
+/// As [`setup::world`], in which everybody appears when it is said.
+fn world_to_begin(
+    scenario: &Scenario,
+    variables: &Variables,
+    people: &[Individual],
+) -> Result<World, PlanError> {
+    let world = setup::world(scenario, variables, people)?;
+    check_arrivals(scenario, &world)?;
+    Ok(world)
+}
+
 /// The trials of one scenario in a suite, each worked out when it is asked for, without its worlds.
 ///
 /// # Errors
@@ -643,6 +665,7 @@ pub fn plan_scenario(suite: &Suite, scenario: &Scenario) -> Result<ScenarioPlan,
     } else {
         (0..plan.len()).try_for_each(check)?;
     }
+    plan.check_drawn()?;
     Ok(plan)
 }
 
@@ -675,7 +698,9 @@ pub fn probe_scenario(suite: &Suite, scenario: &Scenario) -> Result<Vec<PlannedT
         trial.cases.check(true, index == 0)?;
         Ok(trial)
     };
-    probed.into_iter().enumerate().map(probe).collect()
+    let probed = probed.into_iter().enumerate().map(probe).collect::<Result<Vec<_>, _>>()?;
+    plan.check_drawn()?;
+    Ok(probed)
 }
 
 /// Whole rounds: at least as many runs as asked for, and not more than may be.

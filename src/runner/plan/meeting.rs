@@ -188,7 +188,7 @@ fn meeting_along(
 
 /// A vehicle at the beginning of places, at the speed that it keeps.
 fn on_its_path(car: &VehicleSetup, path: &Path) -> VehicleState {
-    let motion = Longitudinal { travelled: 0.0, speed: car.speed, acceleration: 0.0 };
+    let motion = Longitudinal { travelled: 0.0, speed: car.speed_at_start(), acceleration: 0.0 };
     VehicleState::new(path.clone(), motion, (car.length, car.width))
 }
 
@@ -224,13 +224,14 @@ fn in_time(
     let (setup, car) = (&world.pedestrians[person], &world.vehicles[vehicle]);
     let (name, kind) = (&setup.name, setup.kind.word());
     let (other, path) = (&car.name, world.path_of(car));
-    let latest = place - time * car.speed - car.length / 2.0;
+    // It would be there as early as this at the larger of its speeds.
+    let latest = place - time * car.placing_speed() - car.length / 2.0;
     let starts = match car.start {
         // As far out as they need it.
         _ if scenario.vehicles[vehicle].start == DeclaredVehicleStart::Automatic => latest,
         VehicleStart::Distance(distance) => -distance,
         VehicleStart::TimeToArrival { time, reference, x } => {
-            path.at_line(x) - time * car.speed - reference.ahead_of_centre(car.length)
+            path.at_line(x) - time * car.placing_speed() - reference.ahead_of_centre(car.length)
         }
     };
     if starts > latest + ROUNDING {

@@ -1,5 +1,6 @@
 //! From a checked suite to its trials and cases: variations, individuals, repetitions and seeds.
 
+mod arrival;
 mod check;
 mod drawable;
 mod draws;
@@ -23,6 +24,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 use scenario::{Assignment, Case, Individual, Scenario, Suite};
 
+pub use arrival::past_arrival_words;
 pub use draws::DrawAxis;
 use draws::RunDraws;
 pub use error::PlanError;
@@ -41,6 +43,8 @@ pub(crate) use variation::expand as combinations;
 pub struct Plan {
     /// The suite's name.
     pub suite: String,
+    /// As [`Suite::apart`].
+    pub apart: String,
     /// What the seed of every run is derived from.
     pub seed: u64,
     /// What was set on the command line: `av.speed=40km/h`.
@@ -107,6 +111,7 @@ pub fn plan(suite: &Suite) -> Result<Plan, Vec<PlanError>> {
     if errors.is_empty() {
         Ok(Plan {
             suite: suite.name.clone(),
+            apart: suite.apart.clone(),
             seed: suite.seed,
             set: suite.set.clone(),
             time_limit: suite.time_limit,
@@ -136,7 +141,9 @@ pub fn concrete_case(
             (run.1.drawn, run.1.individuals, run.1.world)
         }
         None => {
-            let world = setup::world(scenario, &values, &individuals).map_err(|error| error.in_case(&key))?;
+            let world = setup::world(scenario, &values, &individuals)
+                .and_then(|world| arrival::check_arrivals(scenario, &world).map(|()| world))
+                .map_err(|error| error.in_case(&key))?;
             (Vec::new(), individuals, Arc::new(world))
         }
     };

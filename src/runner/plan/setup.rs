@@ -108,6 +108,7 @@ fn vehicle_setup(
         DeclaredFollowing::Behind(behind) => number(behind)?,
     };
     let speed = number(&declared.speed)?;
+    let initial_speed = declared.initial_speed.as_ref().map(number).transpose()?;
     let start = match &declared.start {
         DeclaredVehicleStart::Distance(distance) => VehicleStart::Distance(number(distance)?),
         DeclaredVehicleStart::TimeToArrival(time) => {
@@ -149,6 +150,7 @@ fn vehicle_setup(
         lane: declared.lane,
         behind,
         speed,
+        initial_speed,
         start,
         sees,
     })
@@ -192,7 +194,7 @@ fn controller_settings(
 
 /// Far enough out that the pedestrian who waits for the earliest arrival appears at time 0.
 fn automatic_start(index: usize, world: &World) -> Option<VehicleStart> {
-    let VehicleSetup { speed, length, .. } = world.vehicles[index];
+    let (speed, length) = (world.vehicles[index].placing_speed(), world.vehicles[index].length);
     let path = world.path_of(&world.vehicles[index]);
     let waiting = world.pedestrians.iter().filter_map(|pedestrian| match pedestrian.appears {
         Appearance::TimeToArrival { vehicle, reference, time } if vehicle == index => {

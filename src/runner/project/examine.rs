@@ -39,9 +39,10 @@ fn whole(lang::Examined { suite, mut found, sources }: lang::Examined) -> (Vec<D
 }
 
 fn finding(obstacle: Obstacle, sources: &Sources) -> Option<Diagnostic> {
-    let (code, label) = match obstacle.stage {
-        Stage::Planning => (Code::CannotBePlanned, "cannot be planned"),
-        Stage::Building => (Code::CannotBeBuilt, "cannot be run like this"),
+    let code = obstacle.code();
+    let label = match obstacle.stage {
+        Stage::Planning => "cannot be planned",
+        Stage::Building => "cannot be run like this",
     };
     let mut finding = Diagnostic::new(code, sources.span(&obstacle.origin)?, &obstacle.message).label(label);
     finding.notes.extend(obstacle.note());

@@ -1,20 +1,24 @@
 //! Projects: suites read from files, checked, planned and found possible, or everything that is wrong with them.
 
+mod apart;
 mod claims;
 mod examine;
 mod notice;
 mod open;
 mod planned_suite;
 
-use std::path::Path;
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+pub use apart::key_alone;
 pub use claims::examine_claims;
 pub use examine::{examine, examine_edited};
 pub use notice::{Notice, NoticeLevel, Problems};
 pub use open::plan_notices;
 pub use planned_suite::{PlannedSuite, ProjectOptions};
 
+use crate::plan::{PlanError, plan};
 use files::Files;
 use scenario::registry::Registry;
 
@@ -52,12 +56,23 @@ impl Project {
         files: &(impl Files + Clone + 'static),
     ) -> Result<Self, Problems> {
         let mut notices = Vec::new();
-        let opened = |path: P| open::open(path.as_ref(), options, registry, files, &mut notices);
-        let suites: Vec<Option<PlannedSuite>> = paths.into_iter().map(opened).collect();
-        match suites.into_iter().collect() {
-            Some(suites) => {
+        let mut known: HashSet<PathBuf> = HashSet::new();
+        let mut opened = |path: P| {
+            let path = path.as_ref();
+            if !known.insert(files.identity(path)) {
+                let message = format!("{} is named twice: it is run once", path.display());
+                notices.push(Notice::Plain { level: NoticeLevel::Note, message, help: None });
+                return None;
+            }
+            Some(open::open(path, options, registry, files, &mut notices))
+        };
+        let suites: Vec<Option<PlannedSuite>> = paths.into_iter().filter_map(&mut opened).collect();
+        let suites = suites.into_iter().collect::<Option<Vec<_>>>().map(told_apart);
+        match suites {
+            Some(Ok(suites)) => {
                 Ok(Self { suites, registry: registry.clone(), files: Arc::new(files.clone()), notices })
             }
+            Some(Err(errors)) => Err(Problems(notices.into_iter().chain(plan_notices(errors)).collect())),
             None => Err(Problems(notices)),
         }
     }
@@ -81,6 +96,19 @@ impl Project {
     pub fn notices(&self) -> &[Notice] {
         &self.notices
     }
+}
+
+/// The same suites, of which no two have one name in their keys.
+fn told_apart(mut suites: Vec<PlannedSuite>) -> Result<Vec<PlannedSuite>, Vec<PlanError>> {
+    let names: Vec<_> = suites.iter().map(|one| (one.file.as_str(), one.suite.name.as_str())).collect();
+    let prefixes = apart::apart(&names);
+    for (suite, apart) in suites.iter_mut().zip(prefixes) {
+        if !apart.is_empty() {
+            suite.suite.apart = apart;
+            suite.plan = plan(&suite.suite)?;
+        }
+    }
+    Ok(suites)
 }
 
 #[cfg(test)]

@@ -4,7 +4,8 @@ use std::error::Error;
 use std::fmt;
 use std::sync::Arc;
 
-use lang::{self, Diagnostic, Excerpt, Failure, Severity, Sources, Style};
+use files::escape::terminal;
+use lang::{self, Code, Diagnostic, Excerpt, Failure, Severity, Sources, Style};
 use scenario::Origin;
 
 /// Something to be said about a project before it runs.
@@ -21,6 +22,8 @@ pub enum Notice {
     },
     /// An error at a place that travelled with what was read there.
     Error {
+        /// What it is about.
+        code: Code,
         /// What is wrong, in a sentence without a full stop.
         message: String,
         /// Where.
@@ -70,9 +73,9 @@ impl Notice {
         match self {
             Self::Failure(failure) => failure.render(style),
             Self::Finding { finding, sources } => format!("{}\n\n", lang::render(finding, sources, style)),
-            Self::Error { message, origin, notes, help } => {
+            Self::Error { code, message, origin, notes, help } => {
                 let excerpt = Excerpt { title: message, origin, label: "", notes, help: help.as_deref() };
-                format!("{}\n\n", excerpt.render(style.colour))
+                format!("{}\n\n", excerpt.render_as(Some(*code), style.colour))
             }
             Self::Plain { level, message, help } => {
                 let level = match level {
@@ -80,8 +83,8 @@ impl Notice {
                     NoticeLevel::Warning => "warning",
                     NoticeLevel::Note => "note",
                 };
-                let help = help.as_ref().map(|help| format!("help: {help}\n")).unwrap_or_default();
-                format!("{level}: {message}\n{help}")
+                let help = help.as_ref().map(|help| format!("help: {}\n", terminal(help))).unwrap_or_default();
+                format!("{level}: {}\n{help}", terminal(message))
             }
         }
     }

@@ -79,6 +79,7 @@ fn findings(
 /// Why a suite cannot be planned.
 pub fn plan_notices(errors: Vec<PlanError>) -> impl Iterator<Item = Notice> {
     errors.into_iter().map(|PlanError { message, hint, case, origin }| Notice::Error {
+        code: Code::CannotBePlanned,
         message,
         origin: *origin,
         notes: case.iter().map(|case| format!("in {case}")).collect(),
@@ -88,6 +89,7 @@ pub fn plan_notices(errors: Vec<PlanError>) -> impl Iterator<Item = Notice> {
 
 fn obstacle(obstacle: Obstacle) -> Notice {
     Notice::Error {
+        code: obstacle.code(),
         notes: obstacle.note().into_iter().collect(),
         message: obstacle.message,
         origin: obstacle.origin,

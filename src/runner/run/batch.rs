@@ -78,10 +78,28 @@ impl RunBatch<'_> {
         runs: usize,
         wanted: impl FnMut(usize, &Case) -> Wanted + Send,
         case: impl FnMut(usize) -> Case + Send,
-        take: impl FnMut(Case, Ran) + Send,
+        mut take: impl FnMut(Case, Ran) + Send,
+    ) -> Result<(), BatchError> {
+        let take = move |case: Case, ran: Option<Ran>| {
+            if let Some(ran) = ran {
+                take(case, ran);
+            }
+        };
+        self.made_leaving_out(false, change, runs, wanted, case, take)
+    }
+
+    /// Gives nothing to `take` for a run that is left out.
+    fn made_leaving_out(
+        self,
+        leaves_out: bool,
+        change: Option<&RunChange>,
+        runs: usize,
+        wanted: impl FnMut(usize, &Case) -> Wanted + Send,
+        case: impl FnMut(usize) -> Case + Send,
+        take: impl FnMut(Case, Option<Ran>) + Send,
     ) -> Result<(), BatchError> {
         let Self { executor, measured, stop } = self;
-        let one = One { runs, wanted, case, take, measured, change, failed: None };
+        let one = One { runs, wanted, case, take, measured, change, leaves_out, failed: None };
         let mut only = Only { one: Some(one), begun: false, taken: 0 };
         run_sequences(executor, &mut only, stop);
         match only.one.and_then(|one| one.failed) {
@@ -145,6 +163,37 @@ impl RunBatch<'_> {
         Ok(outcomes)
     }
 
+    /// As [`Self::outcomes_keeping`]; `None` of a case in which [there is no encounter](RunError::is_no_encounter).
+    ///
+    /// # Errors
+    /// As for [`Self::each`].
+    ///
+    /// # Panics
+    /// As for [`Self::each`].
+    pub fn outcomes_leaving_out(
+        self,
+        first_runs: &FirstRuns,
+        number: usize,
+        cases: impl ExactSizeIterator<Item = Case> + Send,
+    ) -> Result<Vec<Option<Outcome>>, BatchError> {
+        let mut cases = cases;
+        let runs = cases.len();
+        let mut outcomes = Vec::with_capacity(runs);
+        let wanted = |run: usize, case: &Case| first_runs.wanted(number + run, case);
+        let case = |_| cases.next().expect("there are as many as were counted");
+        self.made_leaving_out(true, None, runs, wanted, case, |case, ran| {
+            let keep = |mut ran: Ran| {
+                if first_runs.takes(number + outcomes.len(), &case) {
+                    first_runs.keep(&case, &mut ran);
+                }
+                ran.outcome
+            };
+            let outcome = ran.map(keep);
+            outcomes.push(outcome);
+        })?;
+        Ok(outcomes)
+    }
+
     /// What came of one case.
     ///
     /// # Errors
@@ -183,6 +232,7 @@ struct One<'b, W, C, T> {
     take: T,
     measured: &'b Arc<MeasuredMetrics>,
     change: Option<&'b RunChange>,
+    leaves_out: bool,
     failed: Option<(String, JobFailure)>,
 }
 
@@ -190,7 +240,7 @@ impl<W, C, T> Sequence for One<'_, W, C, T>
 where
     W: FnMut(usize, &Case) -> Wanted + Send,
     C: FnMut(usize) -> Case + Send,
-    T: FnMut(Case, Ran) + Send,
+    T: FnMut(Case, Option<Ran>) + Send,
 {
     fn runs(&self) -> usize {
         self.runs
@@ -206,7 +256,11 @@ where
     fn take(&mut self, done: Done) -> ControlFlow<()> {
         match done.result {
             Ok(ran) => {
-                (self.take)(done.case, ran);
+                (self.take)(done.case, Some(ran));
+                ControlFlow::Continue(())
+            }
+            Err(JobFailure::Error(error)) if self.leaves_out && error.is_no_encounter() => {
+                (self.take)(done.case, None);
                 ControlFlow::Continue(())
             }
             Err(failure) => {

@@ -3,13 +3,14 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use crate::plan::past_arrival_words;
 use numbers::random::ranks;
 use results::RunFault;
 use scenario::registry::EntryKind;
 use scenario::{
     ControllerContext, DeclaredProgram, Dimension, PedestrianContext, Reference, Scenario, World, show,
 };
-use sim::{ControllerError, Driven, Driver, Fault, ModelError, RoadUsers, Schedule, StatedBy};
+use sim::{ControllerError, Driven, Driver, Fault, ModelError, RoadUsers, Schedule, Solid, StatedBy};
 
 /// Why a case cannot be run, or not to its end.
 #[derive(Debug, Clone, PartialEq, Error, Serialize, Deserialize)]
@@ -37,6 +38,14 @@ pub enum RunError {
         who: String,
         /// Why, with numbers of the scenario.
         error: ModelError,
+    },
+    /// There is no such encounter: somebody appears inside another body, or would have had to appear before the run began.
+    #[error("{message}")]
+    NoEncounter {
+        /// Who, inside of what and when, or which time to arrival and how large it is at the start.
+        message: String,
+        /// What to write instead.
+        hint: String,
     },
     /// A controller cannot decide at some moment of the run.
     #[error("`{who}` cannot decide {}: {error}", moment(*time, *free_flow))]
@@ -82,6 +91,7 @@ impl RunError {
                 "cut what is drawn where that begins: `truncated_normal(mean, standard deviation, low, high)`",
             ),
             Self::Model { error, .. } => error.hint.as_deref(),
+            Self::NoEncounter { hint, .. } => Some(hint),
             Self::Controller { error, .. } => error.hint.as_deref(),
         }
     }
@@ -93,20 +103,52 @@ impl RunError {
                 let fault = (**error.fault.as_ref()?).clone();
                 Some(RunFault { run: key.to_string(), vehicle: who.clone(), time: *time, fault })
             }
-            Self::Unknown { .. } | Self::Impossible(_) | Self::TimeLimit | Self::Model { .. } => None,
+            Self::Unknown { .. }
+            | Self::Impossible(_)
+            | Self::TimeLimit
+            | Self::Model { .. }
+            | Self::NoEncounter { .. } => None,
         }
+    }
+
+    /// Whether nothing is wrong but where and when somebody was to appear: searches and estimates leave such runs out.
+    pub fn is_no_encounter(&self) -> bool {
+        matches!(self, Self::NoEncounter { .. })
     }
 
     /// Whether the run had begun, so that it can be seen again; else no run of the case begins.
     pub fn had_begun(&self) -> bool {
-        matches!(self, Self::Controller { .. })
+        matches!(self, Self::Controller { .. } | Self::NoEncounter { .. })
     }
 
     /// What kept a run of `world` from its end.
     pub fn of_fault(world: &World, fault: Fault, free_flow: bool) -> Self {
-        let who = world.vehicles[fault.vehicle].name.clone();
-        Self::Controller { who, time: fault.time, free_flow, error: fault.error }
+        match fault {
+            Fault::Controller { vehicle, time, error } => {
+                Self::Controller { who: world.vehicles[vehicle].name.clone(), time, free_flow, error }
+            }
+            Fault::Occupied { pedestrian, by, time } => Self::NoEncounter {
+                message: occupied(world, pedestrian, by, time),
+                hint: "let it appear at another place or time: `start`, `along`, `appears`".to_string(),
+            },
+            Fault::PastArrival(past) => {
+                let (message, hint) = past_arrival_words(world, &past, None);
+                Self::NoEncounter { message, hint }
+            }
+        }
     }
+}
+
+/// Who appears inside of what, and when.
+fn occupied(world: &World, pedestrian: usize, by: Solid, time: f64) -> String {
+    let person = &world.pedestrians[pedestrian];
+    let what = match by {
+        Solid::Vehicle(_) => "vehicle",
+        Solid::Pedestrian(other) => world.pedestrians[other].kind.word(),
+        Solid::Box(_) => "box",
+    };
+    let (name, kind, moment) = (&person.name, person.kind.word(), show(time, None, Dimension::TIME));
+    format!("at {moment} {kind} `{name}` appears inside {what} `{}`", by.name(world))
 }
 
 /// What a reference stands for.

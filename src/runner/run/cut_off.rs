@@ -24,7 +24,7 @@ fn stranded(world: &World, last: &Snapshot, measurement: &Measurement) -> Vec<Ar
     let was_hit = |who: Solid| (0..cars).any(|car| measurement.touched(car, who));
     let touches = |car: usize| solids(world, car).any(|with| measurement.touched(car, with));
     // A vehicle that was waiting from the beginning has nowhere to go.
-    let drivers = (0..cars).filter(|car| world.vehicles[*car].speed > 0.0 && !touches(*car));
+    let drivers = (0..cars).filter(|car| world.vehicles[*car].placing_speed() > 0.0 && !touches(*car));
     let people = (0..world.pedestrians.len()).filter(|index| last.pedestrians[*index].present);
     let people = people.map(Solid::Pedestrian).filter(|person| !was_hit(*person));
     let missing = drivers.map(Solid::Vehicle).chain(people).filter(|who| !has_arrived(world, last, *who));
@@ -55,7 +55,7 @@ fn on_course(world: &World, last: &Snapshot, measurement: &Measurement) -> Vec<O
 /// the vehicle's lane, and one of them moved or the pedestrian had yet to appear.
 fn unfinished(world: &World, last: &Snapshot, measurement: &Measurement) -> Vec<Unfinished> {
     // A vehicle that was waiting from the beginning has nowhere to go.
-    let drivers = (0..world.vehicles.len()).filter(|car| world.vehicles[*car].speed > 0.0);
+    let drivers = (0..world.vehicles.len()).filter(|car| world.vehicles[*car].placing_speed() > 0.0);
     let pairs = drivers.flat_map(|car| (0..world.pedestrians.len()).map(move |person| (car, person)));
     let not_over = pairs.filter(|(car, index)| {
         let (vehicle, person) = (&last.vehicles[*car], &last.pedestrians[*index]);

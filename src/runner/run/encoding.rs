@@ -262,6 +262,10 @@ mod tests {
                 free_flow: true,
                 error: ControllerError::with_hint("lane is None", "give it a map"),
             }),
+            JobFailure::Error(RunError::NoEncounter {
+                message: "at 10 s `b` appears inside `a`".into(),
+                hint: "elsewhere".into(),
+            }),
             JobFailure::Panicked(Panicked {
                 case: Some("a/b".into()),
                 message: "no \u{1f6b2}".into(),

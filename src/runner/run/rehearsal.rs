@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::build::{RunError, road_users};
 use super::departure::{Departing, model_origin, note_departing};
 use crate::plan::{self, Plan, PlanError, PlannedTrial, ScenarioPlan};
+use lang::Code;
 use scenario::{Case, Origin, Scenario, Suite};
 
 /// Something that no run gets past.
@@ -110,6 +111,14 @@ fn place<'a>(scenario: &'a Scenario, error: &RunError) -> &'a Origin {
 }
 
 impl Obstacle {
+    /// The code of what it is.
+    pub fn code(&self) -> Code {
+        match self.stage {
+            Stage::Planning => Code::CannotBePlanned,
+            Stage::Building => Code::CannotBeBuilt,
+        }
+    }
+
     /// Which runs meet it, in words.
     pub fn note(&self) -> Option<String> {
         self.met.as_ref().map(|(key, times)| match times {

@@ -180,7 +180,7 @@ impl<'a> Runner<'a> {
     pub fn identity(&self, suite: usize) -> SuiteIdentity {
         let prepared = &self.suites[suite];
         SuiteIdentity {
-            suite: prepared.plan.suite.clone(),
+            suite: prepared.suite.key_name(),
             file: prepared.file.clone(),
             seed: prepared.plan.seed,
             set: prepared.suite.set.clone(),
@@ -254,7 +254,7 @@ impl<'a> Runner<'a> {
             }
             Err(panicked) => BlockState::Errored(panicked.to_string().into()),
         };
-        let key = block.key(&self.suites[suite].suite.name);
+        let key = block.key(&self.suites[suite].suite.key_name());
         BlockReport { block: block.clone(), key, state, wall_time: begun.elapsed() }
     }
 

@@ -217,7 +217,7 @@ pub fn units(suites: &[PlannedSuite]) -> Units<'_> {
     for (suite, prepared) in suites.iter().enumerate() {
         let mut known = HashSet::new();
         for recorded in &prepared.recorded {
-            let mut key = recorded.unit_key();
+            let mut key = format!("{}{}", prepared.suite.apart, recorded.unit_key());
             if !known.insert(key.clone()) {
                 // The same run of the suite failed under another seed, too.
                 key += &format!("/seed={}", recorded.seed);
@@ -245,7 +245,7 @@ pub fn units(suites: &[PlannedSuite]) -> Units<'_> {
                 }
             }
             blocks.insert(block.name().to_string(), units.len);
-            let key = block.key(&prepared.suite.name);
+            let key = block.key(&prepared.suite.key_name());
             units.push(suite, 1, SpanOf::Block { block: block.clone(), key, needs });
         }
     }

@@ -117,7 +117,7 @@ class VectorHost:
         import numpy
 
         self.steers = steers
-
+        self.known = numpy.arange(-1, len(controller.modes))
         self.numpy = numpy
         self.is_parent = is_parent
         self.width = WIDTH[controller.gives]
@@ -155,6 +155,8 @@ class VectorHost:
                 raise ValueError(f"`step` gave {answer.shape[1]} columns, where {self.width} were due")
             if not self.steers and not numpy.isnan(batch.steering).all():
                 raise ValueError(_NOT_TAKEN)
+            if not numpy.isin(batch.mode, self.known).all():
+                raise ValueError(f"`mode` holds {batch.mode.tolist()}; it takes indices of `modes`, and -1 for none")
         except BaseException as error:
             if len(batch) > 1 and not self.is_parent:
                 # Nobody knows whose fault it is; the runner finds out, by making each run again alone.

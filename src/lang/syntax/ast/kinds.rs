@@ -1,10 +1,11 @@
 //! Statements of different blocks that have something in common: what names, what is named, what has settings.
 
 use super::{
-    Argument, Binding, Calibrate, Constraint, Controller, ControllerDefinition, Crossing, Direction, Draw,
-    Dynamics, Estimate, Evaluate, Expression, Measure, Metric, Model, Name, Obstacle, OtherCrossing,
-    Parameter, Pedestrian, RoadDefinition, Scenario, Search, Sees, Settings, Statement, Suite, Tag, Tested,
-    Tune, Turn, Varied, VaryTogether, Vehicle,
+    Argument, Baseline, Binding, Calibrate, Command, Constraint, Controller, ControllerDefinition, Crossing,
+    Direction, Draw, DrawTogether, Dynamics, Estimate, Evaluate, Evaluated, Expression, Fmu, Folder, Matched,
+    Measure, Metric, Model, Name, Obstacle, OnCases, OtherCrossing, Parameter, Pedestrian, Population,
+    RoadDefinition, Scenario, Search, Sees, Settings, Statement, Suite, SuiteFiles, Tag, Tested, Tune, Turn,
+    UseFile, Varied, VaryTogether, Vehicle, Wasm,
 };
 use super::{Node, Rule, View};
 
@@ -27,6 +28,8 @@ choices! {
     Settable = Argument | Binding | Draw | Parameter | Pedestrian | Scenario | Varied | VaryTogether | Vehicle;
     /// What names a registered thing.
     NamesRegistered = Named | Metric;
+    /// What names files of the system, in texts.
+    NamesFile = Baseline | Command | Draw | DrawTogether | Evaluated | Fmu | Folder | Matched | OnCases | Population | SuiteFiles | UseFile | Wasm;
     /// What stands between the commas of a statement.
     Listed = Tag | Direction | Constraint | Expression | Measure;
 }

@@ -29,7 +29,9 @@ views! {
     Sees = sees { settings: Settings }
     /// `size LENGTH x WIDTH`
     Size = size { extents: [Expression] }
-    Speed = speed { value: Expression }
+    /// `speed 36 km/h` or `speed 36 km/h from 0 km/h`
+    Speed = speed { value: Expression, initial: (InitialSpeed) }
+    InitialSpeed = initial_speed { value: Expression }
     /// `on side`
     OnRoad = on_road { name: Name }
     Lane = lane { value: Expression }
@@ -196,7 +198,12 @@ pub static VEHICLE: BlockEntry = BlockEntry {
         )
         .key("sees", YamlShape::Settings),
         SIZE.set("size ", ""),
-        statement("speed", Rule::speed, "speed 30 km/h", "The steady cruise that it starts in.")
+        statement(
+            "speed",
+            Rule::speed,
+            "speed 30 km/h` or `speed 36 km/h from 0 km/h",
+            "The steady cruise, in which it starts unless another speed is said.",
+        )
             .key("speed", YamlShape::Words)
             .needed("speed", "speed 30 km/h")
             .set("speed ", ""),

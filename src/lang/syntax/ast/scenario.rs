@@ -111,8 +111,8 @@ views! {
     TogetherBlock = together_block { each: [Varied] }
     /// `draw NAME from normal(5 m, 1 m)` or `draw NAME from "gaps.csv"`
     Draw = draw { name: Name, distribution: (Distribution), file: (Text) }
-    /// `draw together from "exposure.csv"`
-    DrawTogether = draw_together { file: Text }
+    /// `draw together from "exposure.csv"` or `draw together from "exposure.csv" without id, date`
+    DrawTogether = draw_together { file: Text, left_out: [Name] }
     /// `6 s .. 18 s step 4 s`
     Range = range { bounds: [Expression] }
     /// `uniform(6 s, 18 s)`
@@ -303,7 +303,7 @@ statement("escooter", Rule::pedestrian, "escooter NAME { … }", "Somebody on an
 statement("vary", Rule::vary, "vary tta in [6 s, 10 s]`, `vary tta in 6 s .. 18 s step 4 s` or `vary tta in uniform(6 s, 18 s) 100 times", "A name that takes several values; every combination of all `vary` lines is run.").key("vary", YamlShape::Values).names().repeats(),
 statement("vary together", Rule::vary_together, "vary together { a in [1 s, 2 s]; b in [3 m, 4 m] }", "Names whose values go together.").key("vary_together", YamlShape::Together).opens(BlockKind::Together).names().repeats(),
 statement("draw", Rule::draw, "draw NAME from uniform(3 s, 18 s)` or `draw NAME from \"gaps.csv\"", "A name that has another value in every run of a trial, drawn from a distribution or from a column of a file.").key("draw", YamlShape::Drawn).names().repeats(),
-statement("draw together from", Rule::draw_together, "draw together from \"exposure.csv\"", "Names that have a row of a file in every run: a column each, with units in its header, and perhaps a column `weight`.").key("draw_together", YamlShape::Text).repeats(),
+statement("draw together from", Rule::draw_together, "draw together from \"exposure.csv\"` or `draw together from \"exposure.csv\" without id, date", "Names that have a row of a file in every run: a column each, with units in its header, and perhaps a column `weight`; all are used but those that are left out.").key("draw_together", YamlShape::Table).repeats(),
 REPEAT.set_instead_of(Rule::runs, "repeat "),
 statement("runs", Rule::runs, "runs 50 .. 2000", "Runs are added until every criterion with confidence is decided; at least and at most so many.").key("runs", YamlShape::Words),
 statement("seed", Rule::seed, "seed 417", "The seed of the first run of each trial itself, whatever the suite's seed; others follow from it.").key("seed", YamlShape::Words).set("seed ", ""),

@@ -30,8 +30,13 @@ views! {
     SuiteFiles = suite_files { patterns: [Text] }
     /// `time_limit 10 s per case`
     TimeLimit = time_limit { value: Expression }
-    /// `test my_av { gap: 5 m } as av`, and `av=my_av { gap: 5 m }` of the command line.
-    Tested = tested | replacement { vehicle: TestedVehicle, name: Name, settings: (Settings) }
+    /// `test my_av { gap: 5 m } as av` or `… as av where present`, and `av=my_av { gap: 5 m }` of the command line.
+    Tested = tested | replacement {
+        vehicle: TestedVehicle,
+        name: Name,
+        settings: (Settings),
+        where_present: {kw_present},
+    }
     TestedVehicle = tested_vehicle { name: Name }
     /// `gate NAME { … }`
     Gate = gate { name: Name, block: GateBlock }
@@ -60,6 +65,13 @@ views! {
     GateTolerance = gate_tolerance { bound: Expression }
 }
 
+impl Tested<'_> {
+    /// Whether it is what the command line says, and no statement of a suite.
+    pub fn is_of_command_line(self) -> bool {
+        self.rule() == Rule::replacement
+    }
+}
+
 pub static SUITE: BlockEntry = BlockEntry {
     kind: BlockKind::Suite,
     rule: Rule::suite_block,
@@ -82,8 +94,8 @@ pub static SUITE: BlockEntry = BlockEntry {
         statement(
             "test",
             Rule::tested,
-            "test carla_behavior { braking_distance: 8 m } as av",
-            "A controller in the place of that of every vehicle of this name.",
+            "test carla_behavior { braking_distance: 8 m } as av` or `test carla_behavior as av where present",
+            "A controller in the place of that of every vehicle of this name, which every scenario has unless it says `where present`.",
         )
         .key("test", YamlShape::Tested)
         .repeats(),

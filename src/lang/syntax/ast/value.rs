@@ -99,21 +99,34 @@ impl Number<'_> {
 impl Text<'_> {
     /// What stands between the quotes.
     pub fn value(self) -> String {
-        unquote(self.text())
+        unquote(self.text(), true)
+    }
+
+    /// The same of the name of a file: on Windows backslashes separate folders. Elsewhere they are refused, and what else there is to say of the
+    /// file is said of the one that was meant.
+    pub fn path(self) -> String {
+        if cfg!(windows) { self.word() } else { self.value().replace('\\', "/") }
+    }
+
+    /// The same of a word of a command, which may be the name of a file.
+    pub fn word(self) -> String {
+        unquote(self.text(), !cfg!(windows))
     }
 }
 
-/// A text without its quotes.
-fn unquote(quoted: &str) -> String {
+/// A text without its quotes; with letters that are line ends and tabs behind a backslash, if they are. A backslash that makes nothing else of
+/// what follows it stays.
+fn unquote(quoted: &str, has_layout: bool) -> String {
     let inner = quoted.strip_prefix('"').and_then(|rest| rest.strip_suffix('"')).unwrap_or(quoted);
     let mut text = String::with_capacity(inner.len());
     let mut characters = inner.chars();
     while let Some(character) = characters.next() {
         match character {
             '\\' => match characters.next() {
-                Some('n') => text.push('\n'),
-                Some('t') => text.push('\t'),
-                Some(other) => text.push(other),
+                Some('n') if has_layout => text.push('\n'),
+                Some('t') if has_layout => text.push('\t'),
+                Some(escaped @ ('"' | '\\')) => text.push(escaped),
+                Some(other) => text.extend(['\\', other]),
                 None => {}
             },
             other => text.push(other),

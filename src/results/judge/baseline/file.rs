@@ -386,6 +386,7 @@ impl File {
         }
         Ok(Baseline {
             suite,
+            apart: String::new(),
             seed,
             set,
             tool,

@@ -23,6 +23,9 @@ pub use pairing::{Incompatible, Pairing, WorldPart, pair, some};
 pub struct Baseline {
     /// The suite's name.
     pub suite: String,
+    /// As [`scenario::Suite::apart`]; nothing of one that was written.
+    #[serde(skip)]
+    pub apart: String,
     /// That of the suite.
     pub seed: u64,
     /// What was set on the command line instead of what the files say: `av.speed=40km/h`.
@@ -172,7 +175,7 @@ impl Baseline {
 
     /// The full key of a run.
     pub fn run_key(&self, trial: &RecordedTrial, run: usize) -> String {
-        format!("{}/{}/{}", self.suite, trial.key, trial.runs[run])
+        format!("{}{}/{}/{}", self.apart, self.suite, trial.key, trial.runs[run])
     }
 
     /// Whether the command line said the same otherwise for both, in whatever order: values, and controllers in the place of others.

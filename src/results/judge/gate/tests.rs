@@ -54,6 +54,7 @@ fn baseline(
     };
     Baseline {
         suite: "suite".into(),
+        apart: String::new(),
         seed: 1,
         set: Vec::new(),
         tool: "0".into(),

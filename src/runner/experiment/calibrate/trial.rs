@@ -138,7 +138,7 @@ impl CandidateTrial<'_> {
             number: candidate as u32 + 1,
             parameters: self.candidates.settings(candidate),
         };
-        let (suite, block) = (&self.context.suite.name, &self.block.name);
+        let (suite, block) = (self.context.suite.key_name(), &self.block.name);
         let key = format!(
             "{suite}/calibrate={block}/{}/{}/{}={}{}",
             condition.scenario.name,

@@ -79,7 +79,8 @@ impl<'a> Compared<'a> {
         let Self { with, others, paired, difference_refusals, ratio_refusals, .. } = self;
         let second = &paired.second;
         let (undecided, cut_off) = (sampled.told.undecided_others, sampled.told.cut_off_others);
-        let hits = Hits::of(sampled.method.replicates());
+        let replicates = sampled.replicates();
+        let hits = Hits::of(&replicates);
         let runs = |cases: &Cases, of_own: bool| -> Result<Vec<EstimatedRun>, ExperimentError> {
             let alone = |run: usize| {
                 let had = sampled.had(run);

@@ -131,6 +131,14 @@ fn warnings(
             percent(plateau)
         ));
     }
+    if !told.left_out.is_empty() {
+        warnings.push(format!(
+            "{} of {} encounters are left out, since there are none such: somebody appears inside another body, or would have to appear before \
+             the run begins; the probability is of the others",
+            told.left_out.len(),
+            told.encounters()
+        ));
+    }
     if told.undecided > 0 {
         warnings.push(format!(
             "{} runs say neither that `{}` nor the opposite, or ended before; they count as if it were so",

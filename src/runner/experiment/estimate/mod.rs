@@ -168,12 +168,17 @@ impl Runs<'_> {
         let planned = planned.into_iter().collect::<Result<Vec<_>, _>>()?;
         let cases: Vec<Case> = planned.iter().flatten().flatten().cloned().collect();
         let number = first * scenarios().count();
-        let mut outcomes = self.context.run_reading(&self.measured, number, &cases)?.into_iter();
-        let mut next = || self.seen(&outcomes.next().expect("one for every case"));
+        let mut outcomes = self.context.run_leaving_out(&self.measured, number, &cases)?.into_iter();
+        let mut next = || outcomes.next().expect("one for every case").map(|outcome| self.seen(&outcome));
+        let all = |run: ScoredRun| ScoredEncounter { own: run, other: self.others.map(|_| run) };
         let encounter = |cases: &Option<Vec<Case>>| match cases {
-            Some(_) => ScoredEncounter { own: next(), other: self.others.map(|_| next()) },
+            Some(_) => match (next(), self.others.map(|_| next())) {
+                (Some(own), None) => ScoredEncounter { own, other: None },
+                (Some(own), Some(Some(other))) => ScoredEncounter { own, other: Some(other) },
+                (None, _) | (_, Some(None)) => all(ScoredRun::LEFT_OUT),
+            },
             // Nobody draws it: it is no part of what the probability is of.
-            None => ScoredEncounter { own: ScoredRun::NOBODY, other: self.others.map(|_| ScoredRun::NOBODY) },
+            None => all(ScoredRun::NOBODY),
         };
         Ok(planned.iter().map(encounter).collect())
     }
@@ -191,6 +196,6 @@ impl Runs<'_> {
         });
         let cut_off = !may && cut_off_runs(&self.block.event.metric, [outcome]) > 0;
         let encounter = has_encounter(&self.block.event, outcome, requests);
-        ScoredRun { event: may, undecided: may && !must, cut_off, encounter, score }
+        ScoredRun { event: may, undecided: may && !must, cut_off, encounter, left_out: false, score }
     }
 }

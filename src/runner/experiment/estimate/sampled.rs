@@ -7,7 +7,7 @@ use crate::experiment::error::ExperimentError;
 use crate::plan::Cases;
 use numbers::rare::{
     PairedEvent, PairedRareEstimate, RareEstimate, RareSampling, RareScale, RareSpace, ReplicateRuns,
-    WeighedHit,
+    WeighedHit, leaving_out,
 };
 use results::EstimatedRun;
 
@@ -25,6 +25,8 @@ pub struct Told {
     events: Vec<PairedEvent>,
     /// Which runs of both were not seen to their end, by the same numbers.
     not_seen: Vec<[bool; 2]>,
+    /// The numbers of those that there are not, in order.
+    pub left_out: Vec<usize>,
     pub pilot: usize,
     pub undecided: usize,
     pub cut_off: usize,
@@ -37,6 +39,9 @@ pub struct Told {
 
 impl Told {
     pub fn add(&mut self, is_pilot: bool, seen: &[ScoredEncounter]) {
+        let first = self.encounters();
+        let left_out = seen.iter().enumerate().filter(|(_, one)| one.own.left_out);
+        self.left_out.extend(left_out.map(|(index, _)| first + index));
         self.events.extend(seen.iter().map(|one| one.event()));
         let other = |one: &ScoredEncounter| one.other.is_some_and(|other| other.cut_off);
         self.not_seen.extend(seen.iter().map(|one| [one.own.cut_off, other(one)]));
@@ -71,11 +76,19 @@ pub struct Sampled<'a> {
 }
 
 impl Sampled<'_> {
-    /// What the replicates say so far of the estimate's own scenario.
+    /// What the replicates say so far of the encounters that there are.
+    pub fn replicates(&self) -> Cow<'_, [ReplicateRuns]> {
+        match &self.told.left_out[..] {
+            [] => self.method.replicates().into(),
+            left_out => leaving_out(self.method.replicates(), left_out).into(),
+        }
+    }
+
+    /// The same of the estimate's own scenario.
     pub fn own_replicates(&self) -> Cow<'_, [ReplicateRuns]> {
-        let replicates = self.method.replicates();
+        let replicates = self.replicates();
         if self.others.is_none() {
-            return replicates.into();
+            return replicates;
         }
         replicates.iter().map(|one| one.only(|run| self.had(run).first)).collect()
     }
@@ -104,6 +117,9 @@ impl Sampled<'_> {
             ("", share(&mut counted.into_iter())),
             (" that are drawn as they are", share(&mut nominal.flatten())),
         ];
+        if let Some(why) = self.mostly_left_out() {
+            return Some(why);
+        }
         let most = kinds.into_iter().find(|(_, (cut_off, of))| *cut_off as f64 > MOST_CUT_OFF * *of as f64);
         most.map(|(kind, (cut_off, of))| {
             format!(
@@ -121,13 +137,23 @@ impl Sampled<'_> {
         })
     }
 
+    /// Why nothing is claimed where most of the encounters that are drawn as they are are left out: the scenario is of others.
+    fn mostly_left_out(&self) -> Option<String> {
+        let drawn: u64 = self.method.replicates().iter().map(|one| one.nominal_runs).sum();
+        let kept: u64 = self.replicates().iter().map(|one| one.nominal_runs).sum();
+        let left_out = drawn - kept;
+        (left_out as f64 > MOST_CUT_OFF * drawn as f64).then(|| {
+            format!("{left_out} of {drawn} encounters that are drawn as they are are left out: there are none such")
+        })
+    }
+
     /// Which of two had the event in the run of that number.
     pub fn had(&self, run: usize) -> PairedEvent {
         self.told.events[run]
     }
 
     pub fn paired(&self) -> PairedRareEstimate {
-        PairedRareEstimate::of(self.space, self.method.replicates(), self.scale, |run| self.had(run))
+        PairedRareEstimate::of(self.space, &self.replicates(), self.scale, |run| self.had(run))
     }
 }
 

@@ -16,6 +16,9 @@ pub struct ScoredRun {
     pub cut_off: bool,
     /// Whether anything that the event is about was at stake.
     pub encounter: bool,
+    /// Whether there is no such run, or none in the same encounter: it is no part of what the probability is of.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub left_out: bool,
     /// How far it was from the event, the less the nearer; `None` where the metric says nothing.
     pub score: Option<f64>,
 }
@@ -30,7 +33,9 @@ pub struct ScoredEncounter {
 impl ScoredRun {
     /// Of a point that nobody draws.
     pub const NOBODY: Self =
-        Self { event: false, undecided: false, cut_off: false, encounter: false, score: None };
+        Self { event: false, undecided: false, cut_off: false, encounter: false, left_out: false, score: None };
+    /// Of an encounter that there is not.
+    pub const LEFT_OUT: Self = Self { left_out: true, ..Self::NOBODY };
 
     fn distance(self) -> f64 {
         self.score.unwrap_or(f64::INFINITY)

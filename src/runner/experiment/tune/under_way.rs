@@ -70,6 +70,7 @@ impl TuneUnderWay<'_> {
             objectives: self.tune.objectives.iter().map(objective).collect(),
             margins: self.tune.constraints.iter().map(margin).collect(),
             repetitions: 1,
+            left_out: 0,
         }
     }
 
