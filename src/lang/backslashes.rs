@@ -23,17 +23,25 @@ fn found(tree: &Tree, is_translated: bool) -> Vec<Diagnostic> {
             if is_command && index > 0 {
                 if written.contains('\\') && !is_escaped(written, is_translated) {
                     found.push(
-                        Diagnostic::new(Code::Backslash, text.span(), format!("a backslash in {written} means nothing here"))
-                            .label("separates folders on Windows alone")
-                            .hint("write `/` in a path, and `\\\\` for a backslash"),
+                        Diagnostic::new(
+                            Code::Backslash,
+                            text.span(),
+                            format!("a backslash in {written} means nothing here"),
+                        )
+                        .label("separates folders on Windows alone")
+                        .hint("write `/` in a path, and `\\\\` for a backslash"),
                     );
                 }
             } else if written.replace("\\\"", "").contains('\\') {
                 let written = written.trim_matches('"');
                 found.push(
-                    Diagnostic::new(Code::Backslash, text.span(), format!("`{written}` names a file with a backslash"))
-                        .label("separates folders on Windows alone")
-                        .hint(format!("write `/`, which separates them everywhere: `{}`", with_slashes(written))),
+                    Diagnostic::new(
+                        Code::Backslash,
+                        text.span(),
+                        format!("`{written}` names a file with a backslash"),
+                    )
+                    .label("separates folders on Windows alone")
+                    .hint(format!("write `/`, which separates them everywhere: `{}`", with_slashes(written))),
                 );
             }
         }

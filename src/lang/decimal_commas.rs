@@ -78,7 +78,8 @@ mod tests {
 
     #[test]
     fn both_readings_are_told() {
-        let both = ["as it stands: 4 values, 0, 5 %, 1, 25 %", "with decimal points: 2 values, 0.5 %, 1.25 %"];
+        let both =
+            ["as it stands: 4 values, 0, 5 %, 1, 25 %", "with decimal points: 2 values, 0.5 %, 1.25 %"];
         assert_eq!(notes("[0,5 %, 1,25 %]"), both);
         assert_eq!(notes("[0,5 %,1,25 %]"), both, "units tell, whatever spaces are");
         assert_eq!(notes("[1,5, 2,5]")[1], "with decimal points: 2 values, 1.5, 2.5");
@@ -89,7 +90,9 @@ mod tests {
 
     #[test]
     fn lists_that_can_only_be_meant_as_they_are_draw_no_warning() {
-        for right in ["[1,2,3]", "[1, 2, 3]", "[0, 5 %, 10 %]", "[0 %,5 %]", "[1.5,2 m]", "[a,5]", "[0.5 %, 1.25 %]"] {
+        for right in
+            ["[1,2,3]", "[1, 2, 3]", "[0, 5 %, 10 %]", "[0 %,5 %]", "[1.5,2 m]", "[a,5]", "[0.5 %, 1.25 %]"]
+        {
             assert_eq!(notes(right), [""; 0], "{right}");
         }
     }

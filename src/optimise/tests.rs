@@ -378,7 +378,12 @@ fn two_objectives_give_a_front() {
         let x = proposal.point[0].number().unwrap();
         let measurement =
             |target: f64| ObjectiveValue { value: Some((x - target).abs()), noise_variance: None };
-        Evaluation { objectives: vec![measurement(8.0), measurement(14.0)], margins: vec![], repetitions: 1, left_out: 0 }
+        Evaluation {
+            objectives: vec![measurement(8.0), measurement(14.0)],
+            margins: vec![],
+            repetitions: 1,
+            left_out: 0,
+        }
     })
     .unwrap();
     let front: Vec<f64> =

@@ -53,9 +53,7 @@ mod way;
 pub use abreast::Abreast;
 pub use change::{GivenCommand, RunChange, brakes};
 pub use contact::{Contacts, Touch};
-pub use course::{
-    Course, Fault, Progress, has_arrived, has_crossed, longest_run, simulate, walking_time,
-};
+pub use course::{Course, Fault, Progress, has_arrived, has_crossed, longest_run, simulate, walking_time};
 pub use fingerprint::Fingerprint;
 pub use hit::{hit_along, hit_at};
 pub use observer::{Ending, Minds, Observer, Step, StopReason};
@@ -71,8 +69,8 @@ pub use scenario::agent::{
 pub use sighting::Sighting;
 pub use solid::Solid;
 pub use start::{
-    PastArrival, beginning, blocked_lanes, collision_course, meeting_place, overlaps, past_arrival, path_conflicts,
-    vehicles_ahead,
+    PastArrival, beginning, blocked_lanes, collision_course, meeting_place, overlaps, past_arrival,
+    path_conflicts, vehicles_ahead,
 };
 pub use timeline::{Happening, Timeline, TimelineEvent};
 pub use trace::{Sample, Trace, TraceMark};

@@ -69,7 +69,9 @@ pub struct PastArrival {
 /// The first pedestrian who waits for a time to arrival that is past by more than `tolerance` (s) where the run begins like this.
 pub fn past_arrival(world: &World, start: &Snapshot, tolerance: f64) -> Option<PastArrival> {
     world.pedestrians.iter().enumerate().find_map(|(pedestrian, setup)| {
-        let Appearance::TimeToArrival { vehicle, reference, time: wanted } = setup.appears else { return None };
+        let Appearance::TimeToArrival { vehicle, reference, time: wanted } = setup.appears else {
+            return None;
+        };
         let at_start = start.vehicles[vehicle].time_to_arrival(meeting_place(world, setup), reference);
         (at_start < wanted - tolerance).then_some(PastArrival { pedestrian, vehicle, wanted, at_start })
     })

@@ -239,10 +239,7 @@ impl Process {
                 .map(|(slot, message)| (slot, self.with_log(ProgramFault::new(FaultKind::Refused, message))))
                 .collect()),
             None => {
-                let fault = ProgramFault::new(
-                    FaultKind::Garbage,
-                    format!("{} {wrong}", quoted(self.text())),
-                );
+                let fault = ProgramFault::new(FaultKind::Garbage, format!("{} {wrong}", quoted(self.text())));
                 Err(self.gone(fault))
             }
         }

@@ -638,7 +638,8 @@ pub fn read_frame(
     match word(0) {
         Some(0) => {
             let text = &frame[4..];
-            let value = strict_json::read(text).map_err(|wrong| garbage(format!("{} {wrong}", quoted(text))))?;
+            let value =
+                strict_json::read(text).map_err(|wrong| garbage(format!("{} {wrong}", quoted(text))))?;
             if let Some(fault) = last_refusal(&value) {
                 return Err(fault);
             }
@@ -694,7 +695,10 @@ fn known_mode(index: f64, modes: &[Mode]) -> Result<Mode, ProgramFault> {
     let place = (index.fract() == 0.0 && index >= 0.0).then_some(index as usize);
     place.and_then(|place| modes.get(place)).cloned().ok_or_else(|| match modes.len() {
         0 => bad_value(format!("a mode of {index}, and its hello has no `modes`: -1 is none")),
-        many => bad_value(format!("a mode of {index}, which is neither -1 nor a whole number of 0 .. {}", many - 1)),
+        many => bad_value(format!(
+            "a mode of {index}, which is neither -1 nor a whole number of 0 .. {}",
+            many - 1
+        )),
     })
 }
 

@@ -38,7 +38,11 @@ fn who_appears_inside_a_vehicle_is_an_error_of_the_run_and_no_collision() {
     let output = scenario_runner(inside.path(), &RUN);
     let said = stdout(&output);
     assert_eq!(code(&output), 100, "{said}");
-    let words = ["at 5 s pedestrian `walker` appears inside vehicle `av`", "let it appear at another place or time", "replay: "];
+    let words = [
+        "at 5 s pedestrian `walker` appears inside vehicle `av`",
+        "let it appear at another place or time",
+        "replay: ",
+    ];
     assert!(words.iter().all(|words| said.contains(words)), "{said}");
     let trial = &results(inside.path())["trials"][0];
     assert!(!trial.to_string().contains("\"collision\":1"), "{trial}");

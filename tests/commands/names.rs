@@ -28,7 +28,8 @@ fn folder() -> tempfile::TempDir {
     for (name, text) in [("a", scenario("3 m/s", "9 s")), ("b", scenario("1.4 m/s", "3.4 s"))] {
         fs::create_dir_all(folder.path().join(name)).unwrap();
         fs::write(folder.path().join(name).join("x.scn"), text).unwrap();
-        fs::write(folder.path().join(name).join("zebra.suite"), "suite zebra {\n  scenarios \"x.scn\"\n}\n").unwrap();
+        fs::write(folder.path().join(name).join("zebra.suite"), "suite zebra {\n  scenarios \"x.scn\"\n}\n")
+            .unwrap();
     }
     folder
 }
@@ -48,7 +49,8 @@ fn fingerprint(suite: &Value) -> String {
 fn keys_have_the_shortest_end_of_the_path_that_tells_them_apart() {
     let folder = folder();
     let path = folder.path();
-    let reports = ["--no-progress", "--json=r.json", "--junit=r.xml", "--csv=r.csv", "--tap=r.tap", "--html=r.html"];
+    let reports =
+        ["--no-progress", "--json=r.json", "--junit=r.xml", "--csv=r.csv", "--tap=r.tap", "--html=r.html"];
     let (exit, said) = run(path, &[&BOTH[..], &reports].concat());
     assert_eq!(exit, 100, "{said}");
     assert!(said.contains("PASS") && said.contains("a/zebra/s") && said.contains("b/zebra/s"), "{said}");

@@ -33,7 +33,8 @@ const NAMES: [&str; 12] = [
 /// A command as a shell of this system runs it, with the program on its path.
 fn shell(folder: &Path, command: &str) -> Output {
     let program = Path::new(env!("CARGO_BIN_EXE_scenario-runner"));
-    let path = format!("{}:{}", program.parent().unwrap().display(), std::env::var("PATH").unwrap_or_default());
+    let path =
+        format!("{}:{}", program.parent().unwrap().display(), std::env::var("PATH").unwrap_or_default());
     let shell = Command::new("sh").arg("-c").arg(command).current_dir(folder).env("PATH", path).output();
     shell.expect("there is a shell")
 }

@@ -50,7 +50,10 @@ mod tests {
 
     #[test]
     fn no_name_is_a_command() {
-        assert_eq!(without_commands("::error::x.scn\n  ::set-env\n"), "\\u{3a}:error::x.scn\n  \\u{3a}:set-env\n");
+        assert_eq!(
+            without_commands("::error::x.scn\n  ::set-env\n"),
+            "\\u{3a}:error::x.scn\n  \\u{3a}:set-env\n"
+        );
         assert_eq!(without_commands("a ##[error]b"), "a #\\u{23}[error]b");
         for plain in ["a::b", "error: ::x", "# [x]", "", "\n"] {
             assert!(matches!(without_commands(plain), Cow::Borrowed(same) if same == plain), "{plain}");

@@ -36,7 +36,8 @@ fn printed(text: &str) -> String {
 /// The path of a file as one word of a POSIX shell: as it is where nothing in it means anything to a shell. No program takes it for an option.
 pub fn shell_path(path: &str) -> String {
     let path = if path.starts_with('-') { format!("./{path}") } else { path.to_string() };
-    let is_plain = |letter: char| letter.is_ascii_alphanumeric() || matches!(letter, '/' | '.' | '_' | '-' | '+' | '@');
+    let is_plain =
+        |letter: char| letter.is_ascii_alphanumeric() || matches!(letter, '/' | '.' | '_' | '-' | '+' | '@');
     if !path.is_empty() && path.chars().all(is_plain) { path } else { shell_word(&path) }
 }
 
@@ -71,7 +72,8 @@ mod tests {
     #[cfg(unix)]
     fn evaluated(words: &[String]) -> Vec<String> {
         let command = format!("printf '%s\\0' {}", words.join(" "));
-        let output = std::process::Command::new("sh").arg("-c").arg(&command).output().expect("there is a shell");
+        let output =
+            std::process::Command::new("sh").arg("-c").arg(&command).output().expect("there is a shell");
         let said = String::from_utf8(output.stdout).expect("it is text");
         said.split_terminator('\0').map(str::to_string).collect()
     }

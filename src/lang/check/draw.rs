@@ -182,9 +182,13 @@ fn table(node: ast::DrawTogether, places: &TextPlaces, report: &mut Vec<Diagnost
     for name in node.left_out() {
         if !table.header.iter().any(|column| column == name.text()) {
             report.push(
-                Diagnostic::new(Code::BadDraw, name.span(), format!("the file has no column `{}`", name.text()))
-                    .label("not in its header")
-                    .suggest(name.text(), table.header.iter().map(String::as_str)),
+                Diagnostic::new(
+                    Code::BadDraw,
+                    name.span(),
+                    format!("the file has no column `{}`", name.text()),
+                )
+                .label("not in its header")
+                .suggest(name.text(), table.header.iter().map(String::as_str)),
             );
         }
     }

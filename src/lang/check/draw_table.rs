@@ -238,9 +238,11 @@ mod tests {
 
     #[test]
     fn cells_have_the_units_of_their_columns() {
-        let table =
-            parse("# counted by hand\ntta [s],speed [km/h],who,weight\n6,36,child,2\n8.5,18,adult,0\n", |_| true)
-                .unwrap_or_else(|_| panic!());
+        let table = parse(
+            "# counted by hand\ntta [s],speed [km/h],who,weight\n6,36,child,2\n8.5,18,adult,0\n",
+            |_| true,
+        )
+        .unwrap_or_else(|_| panic!());
         assert_eq!(table.weights, [2.0, 0.0]);
         let row: Vec<_> = table.rows[0].iter().map(|one| (one.value.clone(), one.label.as_str())).collect();
         assert_eq!(
@@ -252,7 +254,10 @@ mod tests {
         // What is in the cells of others is theirs.
         let some = parse("id,date,n\n7,2024-05-01,1\n8,2024-05-02,2\n", |name| name == "n");
         let some = some.unwrap_or_else(|_| panic!());
-        assert_eq!((some.header, some.rows.len(), some.columns.len()), (vec!["id".into(), "date".into(), "n".into()], 2, 1));
+        assert_eq!(
+            (some.header, some.rows.len(), some.columns.len()),
+            (vec!["id".into(), "date".into(), "n".into()], 2, 1)
+        );
     }
 
     #[test]

@@ -423,7 +423,8 @@ pub fn write_vehicle(car: &Vehicle, out: &mut BlockText) {
         out.line(&format!("size {} x {}", length(long), length(wide)));
     }
     let speed = |expression| constant(expression, Dimension::SPEED);
-    let initial = car.initial_speed.as_ref().map_or_else(String::new, |from| format!(" from {}", speed(from)));
+    let initial =
+        car.initial_speed.as_ref().map_or_else(String::new, |from| format!(" from {}", speed(from)));
     out.line(&format!("speed {}{initial}", speed(&car.speed)));
     if let Some(road) = &car.road {
         out.line(&format!("on {road}"));

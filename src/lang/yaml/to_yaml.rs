@@ -210,7 +210,8 @@ fn write(statement: &StatementEntry, statements: &[Node], depth: usize, out: &mu
                     Some(given) => format!("{{ {controller}: {} }}", settings(Some(given))),
                     None => controller.to_string(),
                 };
-                let vehicle = if tested.where_present() { format!("{vehicle} where present") } else { vehicle.into() };
+                let vehicle =
+                    if tested.where_present() { format!("{vehicle} where present") } else { vehicle.into() };
                 line(depth + 1, &format!("{vehicle}: {said}"), out);
             }
         }

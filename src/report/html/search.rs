@@ -9,12 +9,12 @@ use crate::chart::{
     self, Along, Convergence, Convergences, CourseLine, Dot, First, IndividualsChart, LegendEntry, Look,
     PointMark, Slice, Strip, Strips, Tried, first_legend, with_room,
 };
+use crate::found::left_out_words;
 use crate::found::said;
 use crate::usual::tail_text;
 use crate::wording::{keep_text, verdict_mark};
 use numbers::summary::mean;
 use optimise::{Coordinate, OptimisationEnd};
-use crate::found::left_out_words;
 use results::{Found, JudgedRun, JudgedSearch, SearchResult, SuiteReport, Verdict};
 use scenario::Search;
 

@@ -30,8 +30,9 @@ pub fn past_arrival_words(world: &World, past: &PastArrival, unit: Option<Notati
     let (person, car) = (&world.pedestrians[past.pedestrian], &world.vehicles[past.vehicle].name);
     let (name, kind) = (&person.name, person.kind.word());
     let (wanted, at_start) = in_words(past, unit);
-    let message =
-        format!("{kind} `{name}` is to appear at a time to arrival of {wanted}, and `{car}` {at_start} at the start");
+    let message = format!(
+        "{kind} `{name}` is to appear at a time to arrival of {wanted}, and `{car}` {at_start} at the start"
+    );
     (message, format!("leave `start` of `{car}` out: it then starts as far away as it has to"))
 }
 

@@ -83,7 +83,8 @@ impl Notice {
                     NoticeLevel::Warning => "warning",
                     NoticeLevel::Note => "note",
                 };
-                let help = help.as_ref().map(|help| format!("help: {}\n", terminal(help))).unwrap_or_default();
+                let help =
+                    help.as_ref().map(|help| format!("help: {}\n", terminal(help))).unwrap_or_default();
                 format!("{level}: {}\n{help}", terminal(message))
             }
         }

@@ -61,5 +61,10 @@ fn build(context: &ControllerContext) -> Result<Box<dyn Controller>, ModelError>
     let misses = stream(context.seed, Agent::Vehicle(context.rank), Purpose::Perception);
     let pedestrians = context.world.pedestrians.len();
     let map_has_signal = context.setup.obeys_signals;
-    Ok(Box::new(stack::Stack::new(settings, context.setup.speed_at_start(), (pedestrians, misses), map_has_signal)))
+    Ok(Box::new(stack::Stack::new(
+        settings,
+        context.setup.speed_at_start(),
+        (pedestrians, misses),
+        map_has_signal,
+    )))
 }

@@ -32,8 +32,14 @@ pub struct ScoredEncounter {
 
 impl ScoredRun {
     /// Of a point that nobody draws.
-    pub const NOBODY: Self =
-        Self { event: false, undecided: false, cut_off: false, encounter: false, left_out: false, score: None };
+    pub const NOBODY: Self = Self {
+        event: false,
+        undecided: false,
+        cut_off: false,
+        encounter: false,
+        left_out: false,
+        score: None,
+    };
     /// Of an encounter that there is not.
     pub const LEFT_OUT: Self = Self { left_out: true, ..Self::NOBODY };
 
