@@ -92,8 +92,9 @@ fn survives(kind: &str, name: &str, seed: u64) {
             kills += 1;
             furthest = furthest.max(recorded(disturbed.path()));
         } else {
-            // It had come to its end: the next one begins anew.
+            // It had come to its end, and a tune leaves its journal for a larger budget: the next one begins anew.
             assert_eq!(result(&output, disturbed.path()), expected);
+            let _ = fs::remove_dir_all(disturbed.path().join(".scenario-runner/journal"));
         }
         if kills == KILLS {
             break;
@@ -103,7 +104,8 @@ fn survives(kind: &str, name: &str, seed: u64) {
     assert!(furthest > 0, "no kill left anything to resume from");
     let resumed = command(kind, name, disturbed.path()).output().unwrap();
     assert_eq!(result(&resumed, disturbed.path()), expected);
-    assert_eq!(recorded(disturbed.path()), 0, "the journal is removed in the end");
+    let left = if kind == "tune" { 16 } else { 0 };
+    assert_eq!(recorded(disturbed.path()), left, "searches remove their journals in the end");
 }
 
 #[test]

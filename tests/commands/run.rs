@@ -141,14 +141,12 @@ fn blocks_run_among_the_trials_in_the_order_in_which_they_need_each_other() {
     let output = place.run(&["small.suite", "-j", "1"]);
     assert_eq!(code(&output), 100, "{}{}", stdout(&output), stderr(&output));
     insta::assert_snapshot!(stdout(&output));
-    assert!(
-        !fs::exists(place.path(".scenario-runner/journal")).unwrap()
-            || empty(&place.path(".scenario-runner/journal"))
-    );
-}
-
-fn empty(folder: &Path) -> bool {
-    fs::read_dir(folder).unwrap().next().is_none()
+    // Tunes leave theirs for a larger budget.
+    let journals = fs::read_dir(place.path(".scenario-runner/journal")).unwrap();
+    let names = journals.map(|one| one.unwrap().file_name().to_string_lossy().into_owned());
+    let mut names: Vec<String> = names.filter_map(|name| Some(name.rsplit_once('-')?.0.to_string())).collect();
+    names.sort_unstable();
+    assert_eq!(names, ["small-braking_distance", "small-hopeless"]);
 }
 
 #[test]
@@ -163,10 +161,10 @@ fn blocks_are_in_every_report() {
     let results: Value = serde_json::from_str(&text("results.json")).unwrap();
     let blocks = results["suites"][0]["blocks"].as_array().unwrap();
     let verdicts: Vec<_> = blocks.iter().map(|block| block["verdict"].as_str().unwrap()).collect();
-    assert_eq!(verdicts, ["passed", "skipped", "skipped", "skipped", "skipped"]);
+    assert_eq!(verdicts, ["found", "skipped", "skipped", "skipped", "skipped"]);
     assert_eq!(blocks[0]["result"]["search"]["found"].as_array().unwrap().len(), 2);
     assert!(text("junit.xml").contains("classname=\"small.search\""));
-    assert!(text("report.tap").contains("- small/search=low_pet\n"));
+    assert!(text("report.tap").contains("- small/search=low_pet # SKIP found, not judged\n"));
 }
 
 #[test]
