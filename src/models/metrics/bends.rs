@@ -125,7 +125,7 @@ fn a_line_measures_the_same_however_it_is_turned() {
                 } else if lane == 1 {
                     let reference = scenario::VehicleReference::Front;
                     straight.pedestrians[0].appears =
-                        Appearance::TimeToArrival { vehicle: 0, reference, time: 3.0137 };
+                        Appearance::TimeToArrival { vehicle: 0, reference, time: 2.3137 };
                 }
                 values += measured(&straight).iter().filter(|(_, value)| value.is_some()).count();
                 for degrees in [0.0, 37.0, 90.0] {
