@@ -144,7 +144,8 @@ fn blocks_run_among_the_trials_in_the_order_in_which_they_need_each_other() {
     // Tunes leave theirs for a larger budget.
     let journals = fs::read_dir(place.path(".scenario-runner/journal")).unwrap();
     let names = journals.map(|one| one.unwrap().file_name().to_string_lossy().into_owned());
-    let mut names: Vec<String> = names.filter_map(|name| Some(name.rsplit_once('-')?.0.to_string())).collect();
+    let mut names: Vec<String> =
+        names.filter_map(|name| Some(name.rsplit_once('-')?.0.to_string())).collect();
     names.sort_unstable();
     assert_eq!(names, ["small-braking_distance", "small-hopeless"]);
 }
@@ -606,9 +607,11 @@ mod interrupts {
             assert_eq!(code(&output), 105, "{}{}", stdout(&output), stderr(&output));
             let said = format!("{}{}", stdout(&output), stderr(&output));
             assert!(said.contains("interrupted") && said.contains("goes on from"), "{said}");
-            assert!(!empty(&journals));
+            let kept = || fs::read_dir(&journals).into_iter().flatten().count();
+            assert_ne!(kept(), 0);
             assert_eq!(result(&place), undisturbed);
-            assert!(empty(&journals));
+            // A tune leaves its journal for a larger budget.
+            assert_eq!(kept() > 0, kind == "tune");
         }
     }
 

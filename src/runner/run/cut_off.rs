@@ -31,6 +31,9 @@ fn stranded(world: &World, last: &Snapshot, measurement: &Measurement) -> Vec<Ar
     missing.map(|who| shared(who.name(world))).collect()
 }
 
+/// What takes so long is what rounding leaves of a stop, s: no run is that long.
+const NEVER: f64 = 1e6;
+
 /// Those who would touch, of all who have not touched yet, by when they would.
 fn on_course(world: &World, last: &Snapshot, measurement: &Measurement) -> Vec<OnCourse> {
     let cars = 0..world.vehicles.len();
@@ -39,7 +42,7 @@ fn on_course(world: &World, last: &Snapshot, measurement: &Measurement) -> Vec<O
     let once = |(car, with): &(usize, Solid)| !matches!(with, Solid::Vehicle(other) if other < car);
     let apart = pairs.filter(once).filter(|(car, with)| !measurement.touched(*car, *with));
     let courses = apart.filter_map(|(car, with)| {
-        let time = collision_course(Solid::Vehicle(car), with, last, world)?;
+        let time = collision_course(Solid::Vehicle(car), with, last, world).filter(|time| *time < NEVER)?;
         Some(OnCourse {
             vehicle: shared(Solid::Vehicle(car).name(world)),
             with: shared(with.name(world)),

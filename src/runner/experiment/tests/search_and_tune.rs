@@ -94,7 +94,11 @@ fn a_run_that_was_cut_off_resumes_to_the_same_result() {
     assert!(killed.is_err());
     assert!(std::fs::read_dir(folder.path()).unwrap().count() > 0, "journals are left behind");
     assert_eq!(text(&run(&suite, Some(folder.path().to_owned()))), undisturbed);
-    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "and those of searches removed in the end");
+    assert_eq!(
+        std::fs::read_dir(folder.path()).unwrap().count(),
+        1,
+        "and those of searches removed in the end"
+    );
 }
 
 #[test]
