@@ -240,7 +240,9 @@ fn what_ships_means_the_same_after_a_rename() {
     let mut tried = 0;
     for (index, path) in shipped().into_iter().enumerate() {
         // Each name takes two loads of everything that the file uses.
-        if index % 10 != 0 || std::fs::metadata(&path).unwrap().len() > 20_000 {
+        // These two name tunes, evaluations and roads, which no other of every tenth file does.
+        let is_of_its_own = ["paper/tune.scn", "rules/fmvss_127.scn"].iter().any(|own| path.ends_with(own));
+        if !(index % 10 == 0 || is_of_its_own) || std::fs::metadata(&path).unwrap().len() > 20_000 {
             continue;
         }
         let mut files = Texts::new(&registry, &Disk);
