@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use super::*;
 use crate::judge::judge;
-use crate::{Cut, CutBy, CutOff, PairPresence, Standing, Stopping, TrialVerdict, Unfinished, UnitError};
+use crate::{Cut, CutBy, CutOff, PairPresence, Standing, Stopping, Unfinished, UnitError};
 use scenario::{
     Assignment, Expression, Origin, PointsCriterion, Relation, Scoring, TagPoints, Weight, WeightedValues,
 };
