@@ -71,7 +71,7 @@ pub struct PresenceStep<'a> {
 #[derive(Debug, Clone, Copy, Default)]
 pub struct PresenceMeter {
     presence: Presence,
-    /// The largest speed that the vehicle has had since the pedestrian appeared, m/s.
+    /// The largest speed that the vehicle has had at the end of a step since the pedestrian appeared, m/s.
     fastest: f64,
     /// Whether the vehicle had moved before the pedestrian appeared.
     moved_before: bool,
@@ -86,7 +86,7 @@ impl PresenceMeter {
     /// Takes a step in which the pedestrian is there from the beginning.
     pub fn observe(&mut self, step: &PresenceStep) {
         let (before, after) = step.vehicle;
-        self.fastest = self.fastest.max(before.motion.speed).max(after.motion.speed);
+        self.fastest = self.fastest.max(after.motion.speed);
         if self.presence.closest == Closeness::Absent {
             self.moved_before = step.has_moved.0;
         }
