@@ -30,22 +30,30 @@ pub fn read_results(path: &Path, registry: &Registry) -> Result<Results, Results
     results_of(&files::read_bytes(path, LARGEST)?, registry)
 }
 
-/// As [`read_results`], of a file's bytes.
+/// As [`read_results`], of a file's bytes. Version 0.1 did not write down what its verdicts could be worked out from.
 fn results_of(bytes: &[u8], registry: &Registry) -> Result<Results, ResultsError> {
-    verified(parsed(bytes, registry)?)
+    let results = parsed(bytes, registry)?;
+    match layout(bytes)? {
+        1 => Ok(results),
+        _ => verified(results),
+    }
 }
 
 /// The same, whether or not its verdicts are what its parts come to.
 pub(super) fn parsed(bytes: &[u8], registry: &Registry) -> Result<Results, ResultsError> {
-    #[derive(Deserialize)]
-    struct Layout {
-        layout: u64,
-    }
-    match serde_json::from_slice::<Layout>(bytes)?.layout {
+    match layout(bytes)? {
         1 => Ok(first_layout::results(serde_json::from_slice(bytes)?)?.resolved(registry)?),
         2 => Ok(serde_json::from_slice::<Document>(bytes)?.results()?.resolved(registry)?),
         other => Err(ResultsError::Layout(other)),
     }
+}
+
+fn layout(bytes: &[u8]) -> Result<u64, ResultsError> {
+    #[derive(Deserialize)]
+    struct Layout {
+        layout: u64,
+    }
+    Ok(serde_json::from_slice::<Layout>(bytes)?.layout)
 }
 
 #[derive(Deserialize)]
