@@ -134,7 +134,7 @@ fn inside(name: &str) -> Option<&Path> {
     (is_plain && !name.contains([':', '\0'])).then_some(path)
 }
 
-/// What is in a file of the archive, which is no larger than it says it is; takes it from the bytes that are left.
+/// Reads a file of the archive, which is at most as large as it says, and takes its size from the bytes that are left.
 fn content<R: Read>(file: ZipFile<R>, left: &mut u64) -> Result<Vec<u8>, FmuError> {
     let name = file.name().to_string();
     let mut bytes = Vec::new();
@@ -231,6 +231,19 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let error = archive.unpack(folder.path()).unwrap_err().to_string();
         assert!(error.contains("no library for this machine") && error.contains("sparc-plan9"), "{error}");
+    }
+
+    #[test]
+    fn an_archive_that_claims_to_be_too_large_is_not_unpacked() {
+        let library = library();
+        let mut bytes = zipped(&[("modelDescription.xml", TWO.as_bytes()), (&library, b"code")]);
+        // The size that the central directory says of the last file: 24 bytes behind the beginning of its entry.
+        let entry = bytes.windows(4).rposition(|four| four == b"PK\x01\x02").unwrap();
+        bytes[entry + 24..entry + 28].copy_from_slice(&(LARGEST as u32 + 1).to_le_bytes());
+        let folder = tempfile::tempdir().unwrap();
+        let error = Archive::read(bytes).unwrap().unpack(folder.path()).unwrap_err().to_string();
+        assert!(error.contains("more than 1073741824"), "{error}");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
     }
 
     /// What unpacks to more than it may, although it is small itself.

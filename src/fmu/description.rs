@@ -369,6 +369,26 @@ pub mod tests {
 </fmiModelDescription>"#;
 
     #[test]
+    fn numbers_of_units_are_numbers_and_variables_are_bounded() {
+        for (from, to, words) in [
+            (
+                "factor=\"0.25\"",
+                "factor=\"0,25\"",
+                "has the unit `km/h` with the factor `0,25`, which is not a number",
+            ),
+            ("<BaseUnit m=\"1\" s=\"-1\" factor", "<BaseUnit m=\"one\" s=\"-1\" factor", "with the m `one`"),
+        ] {
+            assert!(TWO.contains(from), "{from}");
+            let error = Description::read(&TWO.replace(from, to)).unwrap_err();
+            assert!(error.contains(words), "{error}");
+        }
+        let more = "<ScalarVariable/>".repeat(MOST_VARIABLES + 1);
+        let error = Description::read(&TWO.replace("<ModelVariables>", &format!("<ModelVariables>{more}")))
+            .unwrap_err();
+        assert!(error.contains("variables, more than 100000"), "{error}");
+    }
+
+    #[test]
     fn a_unit_of_two_says_what_it_is() {
         let read = Description::read(TWO).unwrap();
         assert_eq!(

@@ -556,7 +556,7 @@ codes! {
         "Where most runs have the same score nothing shows where the event lies, and what is not found counts as if it were not there. \
          `min_distance` is such a metric: it is as large as it is at the start in every run in which nobody comes near. Times such as `pet` \
          or `min_ttc` slope.";
-    NoSignal = "W0961", "a criterion is about red lights where there is no signal",
+    NoSignal = "W0961", "a criterion is about red lights, and the road has no signal",
         "`ran_red` exists where a vehicle came to a signal that was not green. On a road without one, or with one that never shows red, \
          nothing is at stake, and the criterion passes untested. `crossing signalised { … }` declares a signal.";
     SetAside = "W0955", "a criterion applies to no run with the values that were set",

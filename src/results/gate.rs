@@ -151,7 +151,7 @@ pub struct GateVerdict {
 }
 
 impl GateVerdict {
-    /// What its comparisons come to: failed where one regressed, inconclusive where a rule could not have failed and something changed, or
+    /// The verdict of its comparisons: failed where one regressed, inconclusive where a rule could not have failed and something changed, or
     /// runs were cut off, and passed otherwise.
     pub fn worked_out(&self) -> Verdict {
         // What came out the same by chance need not do so the next time.

@@ -28,7 +28,7 @@ pub enum Overall {
 }
 
 impl Results {
-    /// What it all comes to. What was not judged has not passed, nor has what was never put to the test where that is denied.
+    /// The verdict on all units. A unit that was not judged has not passed, nor has one that was never put to the test where that is denied.
     pub fn overall(&self) -> Overall {
         match overall(&self.suites) {
             Overall::Passed if self.denies_untested && self.untested() > 0 => Overall::Inconclusive,

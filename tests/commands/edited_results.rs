@@ -1,4 +1,4 @@
-//! Results that were edited by hand: `report` works verdicts out again, and takes none that is not what its runs come to.
+//! Results that were edited by hand: `report` works verdicts out again from the runs, and refuses those that do not follow.
 
 use std::fs;
 use std::path::Path;
@@ -89,6 +89,23 @@ fn edited_verdicts_are_refused() {
         assert_eq!(code, Some(2), "{what}: {said}");
         assert!(said.contains("error: cannot report edited.json:"), "{what}: {said}");
     }
+}
+
+/// A statement that is declared not to be comparable stays so whatever its claims say.
+#[test]
+fn a_statement_that_is_declared_not_comparable_is_read_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = SUITE.replace("<= 10 % }", "<= 10 %; not comparable \"free choice\" }");
+    fs::write(folder.path().join("a.scn"), text).unwrap();
+    let output = scenario_runner(folder.path(), &["run", "a.scn", "--json", "r.json"]);
+    let results: Value = serde_json::from_slice(&fs::read(folder.path().join("r.json")).unwrap()).unwrap();
+    let statement = &results["suites"][0]["blocks"][0]["result"]["statement"];
+    assert_eq!(statement["claims"][0]["holds"], json!(false));
+    let (code, said) = report(folder.path(), &results);
+    assert_eq!((code, said), (output.status.code(), String::new()));
+    let mut edited = results;
+    edited["suites"][0]["blocks"][0]["result"]["statement"]["conclusion"] = json!("reproduced");
+    assert_eq!(report(folder.path(), &edited).0, Some(2));
 }
 
 #[test]

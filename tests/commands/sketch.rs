@@ -10,7 +10,7 @@ use runner::plan::plan;
 
 use crate::support::program::{code, scenario_runner, stderr, stdout};
 
-/// Size of a sketch where standard output is no terminal, in characters.
+/// Size of a sketch where standard output is not a terminal, in characters.
 const COLUMNS: usize = 100;
 const ROWS: usize = 60;
 

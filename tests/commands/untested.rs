@@ -99,7 +99,7 @@ fn a_person_who_never_appears_tests_nothing() {
         assert_untested(&of(criteria), &[absent]);
     }
     assert_untested(&of("max_deceleration <= 9 m/s^2"), &["did not move while a pedestrian was"]);
-    // Nobody is there to declare anything of.
+    // An order between a car and a pedestrian that never appears declares nothing.
     assert_untested(&of("no collision; passed_first = none"), &[absent]);
 }
 
@@ -120,6 +120,45 @@ fn a_car_that_never_arrives_excuses_nothing_by_who_goes_first() {
         &of("constant_deceleration { time: 0 s, deceleration: 3 m/s^2 }", "none"),
         &["`no collision` passed untested: `stays` did not come into the way of `av`"],
     );
+}
+
+#[test]
+fn two_vehicles_are_tested_where_they_had_to_do_with_each_other() {
+    let of = |other: &str| {
+        format!(
+            "scenario s {{ road r
+  vehicle av {{ controller constant_speed; speed 36 km/h; start 100 m before crossing }}
+  vehicle van {{ controller constant_speed; {other} }}
+  {WALKER}
+  expect {{ no collision(av, van); vehicle_distance(van, av) >= 0.5 m }}
+}}"
+        )
+    };
+    // 35.6 m between the bodies are 3.6 s, and 75.6 m are 7.6 s; both are as fast, so that neither is on a collision course.
+    assert_tested(&of("speed 36 km/h; start 60 m before crossing"));
+    let apart = "`van` did not come into the way of `av`";
+    assert_untested(&of("speed 36 km/h; start 20 m before crossing"), &[apart]);
+    // On a collision course, however far.
+    assert_tested(&of("speed 32 km/h; start 20 m before crossing"));
+    // In the other lane.
+    assert_untested(&of("speed 36 km/h; lane 1; start 60 m before crossing"), &[apart]);
+}
+
+#[test]
+fn a_time_between_centres_is_warned_of_where_bodies_overlap() {
+    let of = |size: &str| {
+        format!(
+            "scenario s {{ road r
+  vehicle av {{ controller constant_speed; size {size}; speed 5 m/s; start 40 m before crossing }}
+  pedestrian walker {{ model scripted {{ speed: 2 m/s }}; start 4 m from lane centre; appears at 8 s }}
+  expect {{ pet >= 1.5 s; no collision }}
+}}"
+        )
+    };
+    let words = "the bodies were in the shared area at the same time in 1 of 1 run";
+    assert!(denied(&of("12 m x 2.5 m"), &[]).1.contains(words));
+    let (code, said) = denied(&of("4 m x 1.8 m"), &[]);
+    assert!(code == Some(0) && !said.contains(words), "{said}");
 }
 
 #[test]

@@ -235,7 +235,7 @@ fn what_passed_without_being_put_to_the_test_is_warned_of() {
     let output = scenario_runner(folder.path(), &["walk.scn"]);
     assert!(stdout(&output).contains(&format!("WARN walk/walk: {said}")), "{}", stdout(&output));
 
-    // A car that has not passed the pedestrian by then shows nothing of who is to go.
+    // A car that has not passed the pedestrian by then does not show which of the two goes first.
     walk(folder.path(), "horizon 1 s; expect { no collision; passed_first = none }");
     let output = scenario_runner(folder.path(), &["walk.scn"]);
     assert_eq!(output.status.code(), Some(0), "{}", stdout(&output));

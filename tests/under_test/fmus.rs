@@ -350,6 +350,15 @@ pub fn what_cannot_be_wired_is_said_before_anything_runs() -> Outcome {
             "`vSet` is in `m/s`",
         ),
         (
+            (
+                WIRED.to_string(),
+                own.replace("m/s\"", "km/h\"")
+                    .replace("<BaseUnit m=\"1\" s=\"-1\"/>", "<BaseUnit m=\"1\" s=\"-1\" factor=\"0.277\"/>"),
+            ),
+            "vSet",
+            "the FMU says that its unit `km/h` is 0.277 m/s",
+        ),
+        (
             unit("<BaseUnit m=\"1\" s=\"-1\"/>", "<BaseUnit kg=\"1\" m=\"1\" s=\"-1\"/>"),
             "vSet",
             "`vSet` is in `m/s`",

@@ -331,7 +331,7 @@ class Vectors(unittest.TestCase):
                 def step(self, batch):
                     return row
 
-            with self.assertRaisesRegex(TypeError, "no array of numbers"):
+            with self.assertRaisesRegex(TypeError, "where numbers were due"):
                 talk(Other, [opened(0, 1), {"step": [scene(0), scene(1)]}], "f64")
 
     def test_plans_may_be_shorter(self):

@@ -284,11 +284,9 @@ pub fn judged(results: &Results) -> Exit {
             );
         }
     }
-    if results.denies_untested && results.untested() > 0 {
-        let units = match results.untested() {
-            1 => "1 unit".to_string(),
-            number => format!("{number} units"),
-        };
+    let untested = if results.denies_untested { results.untested() } else { 0 };
+    if untested > 0 {
+        let units = if untested == 1 { "1 unit".to_string() } else { format!("{untested} units") };
         writeln!(
             stderr(),
             "error: in {units} criteria passed untested, which `--deny untested` does not count as passed"

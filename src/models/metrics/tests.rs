@@ -590,14 +590,14 @@ fn how_close_a_pedestrian_and_a_vehicle_come() {
         let stood = presence(&late, &car(place, 10.0, &[(20.0, -2.0)]), &walk);
         assert_eq!((stood.closest, stood.moved), (expected, false), "{place}");
     }
-    // A parked one meets nobody, and neither does one that moves by rounding.
+    // A parked car meets no pedestrian, and neither does one that moves by rounding.
     for speed in [0.0, 1e-9] {
         let parked = of(car(-10.0, speed, &[]), &across(0.001));
         assert_eq!(parked, Presence { closest: Closeness::Apart, moved: false, passed: false });
     }
     late.pedestrians[0].appears = Appearance::At(1000.0);
     assert_eq!(presence(&late, &straight(-50.0), &walk), Presence::default());
-    // A car that drives into somebody who stands there.
+    // A car that drives into a pedestrian that stands there.
     let stands = Walk(vec![(0.0, 0.0, lane), (30.0, 0.1, lane)]);
     assert_eq!(presence(&world, &straight(-50.0), &stands).closest, Closeness::Touched);
 }

@@ -515,7 +515,7 @@ mod tests {
         let results = session.results(report);
         let text = text(&results);
         assert_eq!(violations(&schema(), &serde_json::from_str(&text).unwrap()), Vec::<String>::new());
-        let read = super::read::results_of(text.as_bytes(), &models::standard()).unwrap();
+        let read = super::read::parsed(text.as_bytes(), &models::standard()).unwrap();
         assert_eq!(read.suites[0].trials[0].state, results.suites[0].trials[0].state);
         assert_eq!(read.suites[0].blocks[0].state, results.suites[0].blocks[0].state);
         assert_eq!(read.suites[0].controllers, results.suites[0].controllers);

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use super::error::{ResultsError, contradiction};
@@ -134,8 +134,8 @@ pub(super) fn gate_state(
     }
 }
 
-/// Whether a word is that of a verdict.
-pub(super) fn says(word: &str, verdict: Verdict) -> bool {
+/// Whether a word is that of a verdict, of a unit or of all.
+pub(super) fn says(word: &str, verdict: impl Serialize) -> bool {
     serde_json::to_value(verdict).is_ok_and(|said| said == word)
 }
 

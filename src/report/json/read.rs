@@ -12,9 +12,9 @@ use super::parts::{FaultOfRun, Run, faults, gate_state, judged, says};
 use super::verify::verified;
 use results::{
     BlockReport, BlockResult, BlockState, Chosen, Cut, Finding, GateReport, GateVerdict, Horizon, LeftRoad,
-    NotJudged, NotRated, Outcome, Overall, PeopleUsed, Program, RatingReport, RatingResult, RatingState,
-    Recorded, RecordedReport, RecordedState, Recording, Refusal, Requests, Results, RunsTaken, Skip,
-    SuiteIdentity, SuiteReport, TestedController, TrialReport, TrialState, UnitError, WaitingStep,
+    NotJudged, NotRated, Outcome, PeopleUsed, Program, RatingReport, RatingResult, RatingState, Recorded,
+    RecordedReport, RecordedState, Recording, Refusal, Requests, Results, RunsTaken, Skip, SuiteIdentity,
+    SuiteReport, TestedController, TrialReport, TrialState, UnitError, WaitingStep,
 };
 use scenario::registry::Registry;
 use scenario::{Block, Gate, Rating, Trial};
@@ -30,17 +30,22 @@ pub fn read_results(path: &Path, registry: &Registry) -> Result<Results, Results
     results_of(&files::read_bytes(path, LARGEST)?, registry)
 }
 
-/// As [`read_results`], of a file's bytes.
-pub(super) fn results_of(bytes: &[u8], registry: &Registry) -> Result<Results, ResultsError> {
+/// As [`read_results`], of a file's bytes. Version 0.1 did not write what its verdicts could be worked out from.
+fn results_of(bytes: &[u8], registry: &Registry) -> Result<Results, ResultsError> {
     #[derive(Deserialize)]
     struct Layout {
         layout: u64,
     }
     match serde_json::from_slice::<Layout>(bytes)?.layout {
         1 => Ok(first_layout::results(serde_json::from_slice(bytes)?)?.resolved(registry)?),
-        2 => verified(serde_json::from_slice::<Document>(bytes)?.results()?.resolved(registry)?),
+        2 => verified(parsed(bytes, registry)?),
         other => Err(ResultsError::Layout(other)),
     }
+}
+
+/// Results of this layout, whether or not their verdicts follow from their parts.
+pub(super) fn parsed(bytes: &[u8], registry: &Registry) -> Result<Results, ResultsError> {
+    Ok(serde_json::from_slice::<Document>(bytes)?.results()?.resolved(registry)?)
 }
 
 #[derive(Deserialize)]
@@ -51,15 +56,11 @@ struct Document {
     suites: Vec<Suite>,
 }
 
-/// What it all came to, as it is written.
+/// The verdict on all units, as it is written.
 #[derive(Deserialize)]
 struct WrittenOverall {
     verdict: String,
     exit_code: u8,
-}
-
-fn says_overall(word: &str, overall: Overall) -> bool {
-    serde_json::to_value(overall).is_ok_and(|said| said == word)
 }
 
 #[derive(Deserialize)]
@@ -204,17 +205,14 @@ impl Document {
         let suites = self.suites.into_iter().map(|suite| suite.report(&requests));
         let suites = suites.collect::<Result<_, _>>()?;
         let results = Results { requests, suites, recordings, denies_untested };
+        let (verdict, exit_code) = (results.overall(), results.exit_code());
         match self.overall {
-            Some(WrittenOverall { exit_code, .. }) if exit_code != results.exit_code() => {
-                let what =
-                    format!("its exit code is {exit_code}, and its units come to {}", results.exit_code());
+            Some(written) if written.exit_code != exit_code || !says(&written.verdict, verdict) => {
+                let what = format!(
+                    "it says `{}` with the exit code {}, and its units give another verdict with {exit_code}",
+                    written.verdict, written.exit_code
+                );
                 Err(contradiction("overall", what))
-            }
-            Some(WrittenOverall { verdict, .. }) if !says_overall(&verdict, results.overall()) => {
-                Err(contradiction(
-                    "overall",
-                    format!("it says `{verdict}`, and its units come to something else"),
-                ))
             }
             _ => Ok(results),
         }
@@ -409,7 +407,7 @@ mod tests {
         for results in every_kind() {
             let text = written(&results);
             let again =
-                results_of(text.as_bytes(), &standard()).unwrap_or_else(|error| panic!("{error}\n{text}"));
+                parsed(text.as_bytes(), &standard()).unwrap_or_else(|error| panic!("{error}\n{text}"));
             for (new, old) in again.suites.iter().zip(&results.suites) {
                 assert_eq!(new.identity, old.identity);
                 new.trials.iter().zip(&old.trials).for_each(|(new, old)| assert_eq!(new, old));

@@ -1,13 +1,15 @@
 //! Verdicts that were read are worked out again from the runs, values, bounds and intervals beside them: an edited word turns nothing green.
 
 use super::error::{ResultsError, contradiction};
+use crate::wording::verdict_word;
 use results::judge::{Watch, judge_rating};
 use results::{
-    BlockResult, ClaimValues, Conclusion, EstimateResult, Finding, GateReport, GateState, RecordedState,
-    Requests, Results, StatementResult, SuiteReport, TrialReport, TrialState, TrialVerdict, Verdict,
+    BlockResult, ClaimValues, Conclusion, EstimateResult, Finding, GateReport, GateState, RecordedReport,
+    RecordedState, Requests, Results, StatementResult, SuiteReport, TrialReport, TrialState, Verdict,
 };
+use scenario::DeclaredStanding;
 
-/// The same results, if each verdict is what its parts come to.
+/// The same results, if each verdict follows from its parts.
 ///
 /// # Errors
 /// The first unit of which that is not so.
@@ -18,11 +20,7 @@ pub(super) fn verified(results: Results) -> Result<Results, ResultsError> {
 
 fn of_suite(suite: &SuiteReport, requests: &Requests) -> Result<(), ResultsError> {
     suite.trials.iter().try_for_each(|trial| of_trial(trial, requests))?;
-    for recorded in &suite.recorded {
-        if let RecordedState::Ran(rerun) = &recorded.state {
-            of_findings(&recorded.key, &rerun.judged)?;
-        }
-    }
+    suite.recorded.iter().try_for_each(of_recorded)?;
     for block in &suite.blocks {
         let Some(result) = block.result() else { continue };
         let wrong = match result {
@@ -42,73 +40,67 @@ fn of_suite(suite: &SuiteReport, requests: &Requests) -> Result<(), ResultsError
         let again =
             judge_rating(&rating.rating, &suite.identity.suite, &suite.trials, &suite.identity.set, requests);
         if again.state != rating.state {
-            return Err(contradiction(&rating.key, "its cells and points are not what the runs come to"));
+            return Err(contradiction(&rating.key, "its cells and points do not follow from the runs"));
         }
     }
     Ok(())
 }
 
-/// A trial's findings, from its runs.
+/// A trial's verdict, from its runs.
 fn of_trial(report: &TrialReport, requests: &Requests) -> Result<(), ResultsError> {
     let TrialState::Judged(judged) = &report.state else { return Ok(()) };
-    let key = &report.trial.key;
-    of_findings(key, judged)?;
     let again = Watch::new(&report.trial, requests).verdict(&report.outcomes);
     if again == *judged {
         return Ok(());
     }
-    let differs = |(one, other): &(&Finding, &Finding)| one != other;
+    let differs = |(written, found): &(&Finding, &Finding)| written != found;
     let what = match judged.findings.iter().zip(&again.findings).find(differs) {
-        Some((written, found)) => format!(
-            "it says that `{}` {}, and its runs come to something else: {}",
-            written.criterion,
-            word(written.verdict),
-            word(found.verdict)
-        ),
-        None => "what it says of its runs is not what they come to".to_string(),
+        Some((written, found)) if written.verdict != found.verdict => {
+            let (said, is) = (verdict_word(written.verdict), verdict_word(found.verdict));
+            format!("it says {said} of `{}`, and its runs give {is}", written.criterion)
+        }
+        Some((written, _)) => format!("its numbers of `{}` are not those of its runs", written.criterion),
+        None => "its verdict does not follow from its runs".to_string(),
     };
-    Err(contradiction(key, what))
+    Err(contradiction(&report.trial.key, what))
 }
 
-fn word(verdict: Verdict) -> &'static str {
-    match verdict {
-        Verdict::Passed => "passed",
-        Verdict::Inconclusive => "is inconclusive",
-        Verdict::Failed => "failed",
-    }
-}
-
-/// The worst of its findings.
-fn of_findings(key: &str, judged: &TrialVerdict) -> Result<(), ResultsError> {
-    let worst = judged.findings.iter().map(|finding| finding.verdict).max().unwrap_or(Verdict::Passed);
-    match worst == judged.verdict {
+/// The verdict on a recorded run, from its findings.
+fn of_recorded(recorded: &RecordedReport) -> Result<(), ResultsError> {
+    let RecordedState::Ran(rerun) = &recorded.state else { return Ok(()) };
+    let worst = rerun.judged.findings.iter().map(|finding| finding.verdict).max();
+    match worst.unwrap_or(Verdict::Passed) == rerun.judged.verdict {
         true => Ok(()),
-        false => Err(contradiction(key, "its verdict is not the worst of its findings")),
+        false => Err(contradiction(&recorded.key, "its verdict is not the worst of its findings")),
     }
 }
 
-/// What in a statement is not what its claims and their values come to.
+/// What in a statement does not follow from its claims and their values.
 fn wrong_statement(statement: &StatementResult) -> Option<String> {
     for claim in &statement.claims {
         let ClaimValues::Compared { left: Some(left), relation, right: Some(right) } = &claim.values else {
             continue;
         };
         if claim.holds.is_some_and(|holds| holds != relation.holds(*left, *right)) {
-            return Some(format!("whether `{}` holds is not what its numbers say", claim.text));
+            return Some(format!("whether `{}` holds does not follow from its numbers", claim.text));
         }
     }
     let any = |holds: Option<bool>| statement.claims.iter().any(|claim| claim.holds == holds);
     let untested = statement.claims.iter().any(|claim| claim.untested.is_some());
-    let is_wrong = match &statement.conclusion {
-        Conclusion::NotComparable(_) => any(Some(false)),
-        Conclusion::NotReproduced => !any(Some(false)),
-        Conclusion::Reproduced => any(Some(false)) || any(None) || untested,
-        Conclusion::Untested => any(Some(false)) || any(None) || !untested,
+    let follows = match (&statement.standing, &statement.conclusion) {
+        // Declared so, whatever its claims say.
+        (DeclaredStanding::NotComparable(_), conclusion) => {
+            matches!(conclusion, Conclusion::NotComparable(_))
+        }
+        (_, Conclusion::NotComparable(_)) => !any(Some(false)) && any(None),
+        (_, Conclusion::NotReproduced) => any(Some(false)),
+        (_, Conclusion::Reproduced) => !any(Some(false)) && !any(None) && !untested,
+        (_, Conclusion::Untested) => !any(Some(false)) && !any(None) && untested,
     };
-    is_wrong.then(|| "its conclusion is not what its claims come to".to_string())
+    (!follows).then(|| "its conclusion does not follow from its claims".to_string())
 }
 
-/// What in an estimate is not what its numbers come to.
+/// What in an estimate does not follow from its numbers.
 fn wrong_estimate(estimate: &EstimateResult) -> Option<String> {
     let of_nothing = estimate.encounters == 0 && estimate.hits == 0;
     let is_refused = |guaranteed: bool| of_nothing || (!guaranteed && !estimate.refusals.is_empty());
@@ -122,12 +114,14 @@ fn wrong_estimate(estimate: &EstimateResult) -> Option<String> {
 fn of_gate(report: &GateReport) -> Result<(), ResultsError> {
     let GateState::Judged(verdict) = &report.state else { return Ok(()) };
     if verdict.worked_out() != verdict.verdict {
-        return Err(contradiction(&report.key, "its verdict is not what its comparisons come to"));
+        return Err(contradiction(&report.key, "its verdict does not follow from its comparisons"));
     }
     match verdict.checks.iter().find(|check| check.contradicts_itself()) {
         Some(check) => {
-            let what =
-                format!("what it says of `{}` in {} is not what its numbers say", check.label, check.place);
+            let what = format!(
+                "what it says of `{}` in {} does not follow from its numbers",
+                check.label, check.place
+            );
             Err(contradiction(&report.key, what))
         }
         None => Ok(()),

@@ -25,6 +25,7 @@ pub use criteria::{aggregate, aggregate_against, counted, judge, undecided};
 pub use horizon::cut_off_runs;
 pub use nearest::RunStanding;
 pub use neighbour::nearest_passing;
+pub use overlap::measured_beside;
 pub use per_run::{PerRun, per_run};
 pub use possible::{Possible, possible};
 pub use rating::judge_rating;

@@ -10,7 +10,7 @@ pub(super) fn never_began(outcomes: &[Outcome]) -> Vec<WaitingStep> {
     first.waiting_steps.iter().filter(never).cloned().collect()
 }
 
-/// The metric that says whether a vehicle comes to a kerb.
+/// The metric that says whether a vehicle touches a kerb.
 const KERB_CONTACT: &str = "kerb_contact";
 
 /// The vehicles whose bodies left their carriageways, unless a criterion is about that.

@@ -14,8 +14,7 @@ pub(super) fn mark(
     outcomes: &[Outcome],
     requests: &Requests,
 ) {
-    let is_plain = |one: &MetricReference| one.pair.is_none() && one.settings.0.is_empty();
-    let Some(area) = requests.iter().position(|one| one.name() == PET_AREA && is_plain(one)) else { return };
+    let Some(area) = requests.iter().position(is_area) else { return };
     for (finding, criterion) in findings.iter_mut().zip(criteria) {
         let reference = criterion.claim.metric();
         if reference.name() != PET || finding.verdict != Verdict::Passed {
@@ -30,6 +29,16 @@ pub(super) fn mark(
         };
         finding.overlapping = outcomes.iter().filter(overlaps).count();
     }
+}
+
+/// The time between bodies among the metrics that are measured, where the time between centres is asked for: it has to be measured beside.
+pub fn measured_beside<'r>(asked: &Requests, measured: &'r Requests) -> Option<&'r MetricReference> {
+    asked.iter().any(|one| one.name() == PET).then(|| measured.iter().find(|one| is_area(one))).flatten()
+}
+
+/// Whether a metric is the time between bodies, of all pairs and with its defaults.
+fn is_area(reference: &MetricReference) -> bool {
+    reference.name() == PET_AREA && reference.pair.is_none() && reference.settings.0.is_empty()
 }
 
 /// Whether the pair of which the time between bodies is the smallest is one that a reference is about.

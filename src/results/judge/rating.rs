@@ -183,7 +183,7 @@ fn run<'o>(
 ) -> Result<Run<'o>, String> {
     let (key, label) = (outcome.key.as_str(), measure.label());
     let value = outcome.metrics.get(index).copied().flatten();
-    let untested = untested_by(measure, std::slice::from_ref(outcome), requests);
+    let untested = untested_by(measure, &[outcome], requests);
     let closest = match &untested {
         Some(Untested::Pairs { pairs, .. }) => pairs.iter().map(|pair| pair.closest).min(),
         _ => None,

@@ -22,8 +22,9 @@ pub(super) fn mark(
     outcomes: &[Outcome],
     requests: &Requests,
 ) {
+    let runs: Vec<&Outcome> = outcomes.iter().collect();
     let stakes: Vec<AtStake> =
-        criteria.iter().map(|criterion| AtStake::of_claim(&criterion.claim, outcomes, requests)).collect();
+        criteria.iter().map(|criterion| AtStake::of_claim(&criterion.claim, &runs, requests)).collect();
     let declares = |((finding, criterion), stake): &((&Finding, &Criterion), &AtStake)| {
         finding.verdict == Verdict::Passed
             && stake.kind == Some(Stake::Order)
@@ -44,7 +45,7 @@ pub(super) fn mark(
 /// Why nothing that a metric is about was at stake in any of these runs; `None` where something was.
 pub fn untested_by(
     reference: &MetricReference,
-    outcomes: &[Outcome],
+    outcomes: &[&Outcome],
     requests: &Requests,
 ) -> Option<Untested> {
     AtStake::new(reference, false, outcomes, requests).untested(&[])
@@ -52,8 +53,8 @@ pub fn untested_by(
 
 /// Whether anything that a metric is about was at stake in a run: for a metric of pairs, in one of them.
 pub fn has_encounter(comparison: &Comparison, outcome: &Outcome, requests: &Requests) -> bool {
-    let outcomes = std::slice::from_ref(outcome);
-    let stake = AtStake::new(&comparison.metric, is_far(&comparison.bound), outcomes, requests);
+    let outcomes = [outcome];
+    let stake = AtStake::new(&comparison.metric, is_far(&comparison.bound), &outcomes, requests);
     match &stake.needs {
         Needs::Pairs(pairs) => pairs.is_empty() || pairs.iter().any(|pair| stake.is_tested(pair, outcome)),
         _ => stake.untested(&[]).is_none(),
@@ -65,7 +66,7 @@ impl EvaluateResult {
     pub fn untested(&self) -> Vec<UntestedMeasures> {
         let mut found: Vec<UntestedMeasures> = Vec::new();
         for condition in &self.conditions {
-            let outcomes: Vec<Outcome> = condition.runs.iter().map(|run| run.outcome.clone()).collect();
+            let outcomes: Vec<&Outcome> = condition.runs.iter().map(|run| &run.outcome).collect();
             for measure in &self.measures {
                 let metric = measure.aggregate.metric();
                 let Some(reason) = untested_by(metric, &outcomes, &Requests::default()) else { continue };
@@ -93,12 +94,12 @@ struct AtStake<'a> {
     /// The claim demands so long a time that being in the way is enough.
     is_far: bool,
     needs: Needs,
-    outcomes: &'a [Outcome],
+    outcomes: &'a [&'a Outcome],
     /// The place of the metric in outcomes.
     index: Option<usize>,
 }
 
-/// Who has to be put to the test.
+/// The road users that have to be put to the test.
 enum Needs {
     Nothing,
     /// Each of these.
@@ -116,7 +117,7 @@ struct Pair {
 }
 
 impl<'a> AtStake<'a> {
-    fn of_claim(claim: &'a Claim, outcomes: &'a [Outcome], requests: &Requests) -> Self {
+    fn of_claim(claim: &'a Claim, outcomes: &'a [&'a Outcome], requests: &Requests) -> Self {
         let bound = match claim {
             Claim::Runs { comparison, .. } => &comparison.bound,
             Claim::Aggregate {
@@ -131,7 +132,7 @@ impl<'a> AtStake<'a> {
     fn new(
         reference: &'a MetricReference,
         is_far: bool,
-        outcomes: &'a [Outcome],
+        outcomes: &'a [&'a Outcome],
         requests: &Requests,
     ) -> Self {
         let (kind, index) = (reference.known().map(|metric| metric.stake), requests.index(reference));
@@ -141,7 +142,7 @@ impl<'a> AtStake<'a> {
 
     /// Why nothing was at stake in any run; `orders` are claims that say which of a pair goes first.
     fn untested(&self, orders: &[&MetricReference]) -> Option<Untested> {
-        let any = |did: &dyn Fn(&Outcome) -> bool| self.outcomes.iter().any(did);
+        let any = |did: &dyn Fn(&Outcome) -> bool| self.outcomes.iter().any(|one| did(one));
         match &self.needs {
             Needs::Nothing => None,
             Needs::Motion(vehicles) => {
@@ -206,8 +207,8 @@ impl<'a> AtStake<'a> {
     }
 }
 
-/// Whom a metric is about, of those who are in the runs.
-fn needs(reference: &MetricReference, outcomes: &[Outcome]) -> Needs {
+/// The road users of the runs that a metric is about.
+fn needs(reference: &MetricReference, outcomes: &[&Outcome]) -> Needs {
     let Some(metric) = reference.known() else { return Needs::Nothing };
     if metric.stake == Stake::Value {
         return Needs::Value;
@@ -378,7 +379,7 @@ mod tests {
         for name in ["crossing_duration", "tta_at_entry"] {
             assert_eq!(of(name), [false, false, false, true, true], "{name}");
         }
-        // Who was passed, or was there together with a vehicle that moved.
+        // It takes a pedestrian that the vehicle passed, or one that was there together with a vehicle that moved.
         for name in ["min_distance", "passed_first", "crossing_initiation_time", "pedestrian_delay"] {
             assert_eq!(of(name), [false, false, true, true, true], "{name}");
         }
@@ -400,10 +401,10 @@ mod tests {
         assert_eq!((finding.untested.clone(), finding.tested), (None, Some(1)));
         let always = &judged(std::slice::from_ref(&pet), Some(1.0), &[&[GOES], &[GOES]])[0];
         assert_eq!(always.tested, None);
-        // What failed is no pass, and what does not exist for that reason passed untested.
+        // A criterion that failed is not untested; one whose metric does not exist for that reason is.
         assert_eq!(tested(std::slice::from_ref(&pet), Some(0.1), &[&[STAYS]]), [true]);
         assert_eq!(tested(std::slice::from_ref(&pet), None, &[&[STAYS]]), [false]);
-        // Nothing is known of those who are not in the runs.
+        // The runs say nothing of a pedestrian that they do not have.
         pet.claim.metric_mut().pair = Some(("av".into(), "child".into()));
         assert_eq!(tested(&[pet], Some(1.0), &[&[]]), [true]);
     }

@@ -102,7 +102,7 @@ impl Court<'_> {
     fn untested(&self, claim: &StatementClaim) -> Result<Option<Untested>, ExperimentError> {
         for measured in measured_by(claim) {
             let Ok(runs) = self.runs(measured)? else { continue };
-            let outcomes: Vec<Outcome> = runs.iter().map(|(_, outcome)| (*outcome).clone()).collect();
+            let outcomes: Vec<&Outcome> = runs.iter().map(|(_, outcome)| *outcome).collect();
             let why = untested_by(measured.aggregate.metric(), &outcomes, self.context.requests());
             if why.is_some() {
                 return Ok(why);

@@ -56,7 +56,7 @@ pub struct EncodedBy {
 
 impl EncodedBy {
     /// The layout of these bytes.
-    const LAYOUT: u32 = 2;
+    const LAYOUT: u32 = 3;
 
     /// This program.
     pub fn here() -> Self {
@@ -345,7 +345,7 @@ mod tests {
         let job = to_messagepack(&job());
         let newer = EncodedBy { version: "77.0.0".into(), ..here.clone() };
         let wanted =
-            format!("these bytes are a job of scenario-runner 77.0.0 (layout 2), and this is {here}");
+            format!("these bytes are a job of scenario-runner 77.0.0 (layout 3), and this is {here}");
         assert_eq!((told(&newer, &job), told(&newer, b"whatever")), (wanted.clone(), wanted));
         let laid_out = told(&EncodedBy { layout: 1, ..here.clone() }, &job);
         assert!(laid_out.contains(&format!("scenario-runner {} (layout 1)", here.version)), "{laid_out}");

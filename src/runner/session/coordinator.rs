@@ -336,7 +336,7 @@ impl<'c, 'a> Coordinator<'c, 'a> {
         }
         drop(state);
         self.changed.notify_all();
-        send(sender, Message::Finished { unit, report, off });
+        send(sender, Message::Finished { unit, report: Box::new(report), off });
         if let Some(stopping) = stopping {
             send(sender, Message::Stopping(stopping));
         }

@@ -18,7 +18,7 @@ pub enum Message {
     Begun(usize),
     RunDone(usize),
     Evaluated { unit: usize, done: usize, all: usize, value: Option<f64>, within: Option<(f64, f64)> },
-    Finished { unit: usize, report: UnitReport, off: Vec<(usize, Off)> },
+    Finished { unit: usize, report: Box<UnitReport>, off: Vec<(usize, Off)> },
     Stopping(Stopping),
 }
 
@@ -92,7 +92,7 @@ impl<'t, 'a> Reporting<'t, 'a> {
                 self.tell(&Event::Evaluated { unit, evaluations: Evaluations { done, all, best, within } });
             }
             Message::Finished { unit, report, off } => {
-                self.finished(unit, report);
+                self.finished(unit, *report);
                 for (unit, off) in off {
                     let reason = self.reason(&off);
                     self.skipped(unit, reason);

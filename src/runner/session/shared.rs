@@ -16,6 +16,7 @@ use crate::run::{
     Wanted, departures,
 };
 use files::{Disk, Files};
+use results::judge::measured_beside;
 use results::{
     BlockReport, BlockState, Cut, Outcome, RecordedReport, RecordedState, Requests, Skip, SuiteIdentity,
     TrialReport, TrialState, TriedSeed, UnitError, UnitReport,
@@ -76,6 +77,9 @@ impl<'a> Runner<'a> {
         let mut asked = Requests::default();
         for suite in self.suites {
             asked_by(&suite.suite).iter().for_each(|metric| asked.add(metric));
+        }
+        if let Some(beside) = measured_beside(&asked, &self.measured.requests) {
+            asked.add(beside);
         }
         self.measured = self.measured.only(&asked);
         self.contexts.iter_mut().for_each(|context| context.measured = self.measured.clone());

@@ -1,4 +1,4 @@
-//! Whether a vehicle comes to an edge of its carriageway: a kerb, the edge of a road that has none, or a median.
+//! Whether a vehicle reaches an edge of its carriageway: a kerb, the edge of a road that has none, or a median.
 
 use nalgebra::Vector2;
 
@@ -6,7 +6,7 @@ use super::events::least_of;
 use crate::{Step, VehicleState};
 use scenario::World;
 
-/// Follows whether the corners of a rectangle that moves with a vehicle come to an edge of its carriageway.
+/// Follows whether the corners of a rectangle that moves with a vehicle reach an edge of its carriageway.
 #[derive(Debug, Clone)]
 pub struct EdgeContact {
     vehicle: usize,
@@ -78,7 +78,7 @@ impl EdgeContact {
         margins.fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether it follows its lane so that the rectangle does not come to an edge.
+    /// Whether it follows its lane so that the rectangle does not reach an edge.
     fn sweeps_clear(&self, car: &VehicleState) -> bool {
         if car.keeps_straight() || car.steered.is_some() {
             return false;
@@ -91,7 +91,7 @@ impl EdgeContact {
         -to_the_right >= right && to_the_left <= left
     }
 
-    /// The share of a step after which a wheel first comes to an edge.
+    /// The share of a step after which a corner is first beyond an edge.
     fn comes_to_an_edge(&mut self, before: &VehicleState, after: &VehicleState) -> Option<f64> {
         if after.keeps_straight() && before.keeps_straight() {
             return (self.margin(after) < 0.0).then_some(1.0);
@@ -110,7 +110,7 @@ impl EdgeContact {
         let (one, other) = (before.pose(), after.pose());
         let reach = libm::hypot(self.ahead, after.width / 2.0);
         let moved = (other.0 - one.0).norm() + 2.0 * (other.1 - one.1).norm() * reach;
-        // No wheel comes nearer than it moves, so most steps need no look inside.
+        // No corner moves farther than this, so most steps need no look inside.
         let (least, part) = match last < 0.0 {
             true => (last, 1.0),
             false if (first + last - moved) / 2.0 > 0.0 => return None,

@@ -36,7 +36,7 @@ pub struct Encounters {
     /// Touches of a vehicle and another or a box, in order.
     others: Vec<(usize, Solid, Contact)>,
     followed: Followed,
-    /// Whether the bodies of vehicles leave their carriageways, of those on roads with kerbs.
+    /// Whether the body of a vehicle leaves its carriageway, for vehicles on roads with kerbs.
     edges: Vec<EdgeContact>,
 }
 

@@ -45,8 +45,9 @@ impl Followed {
         self.looks_ahead = true;
     }
 
-    /// What two vehicles have to do with each other.
-    pub(super) fn vehicle_pair(&mut self, pair: (usize, usize)) {
+    /// What two vehicles have to do with each other, in whatever order they are named.
+    pub(super) fn vehicle_pair(&mut self, (one, other): (usize, usize)) {
+        let pair = (one.min(other), one.max(other));
         if !self.vehicles.contains(&pair) {
             self.vehicles.push(pair);
         }

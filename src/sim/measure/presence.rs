@@ -14,7 +14,7 @@ pub const MEETING_TIME: f64 = 5.0;
 /// at 2 m/s² covers in [`MEETING_TIME`].
 const MEETING_DISTANCE: f64 = 25.0;
 
-/// At this speed or slower a vehicle stands, m/s: what is left of a stop by rounding is no motion.
+/// At this speed or slower a vehicle stands, m/s: what rounding leaves of a stop is not motion.
 pub const STANDSTILL: f64 = 0.01;
 
 /// The most that a vehicle and a pedestrian had to do with each other in a run, from the least to the most.
@@ -51,7 +51,7 @@ pub struct Presence {
     pub passed: bool,
 }
 
-/// One step of a vehicle and a pedestrian who is there.
+/// One step of a vehicle and a pedestrian that is there.
 pub struct PresenceStep<'a> {
     /// The vehicle at the beginning and at the end of the step.
     pub vehicle: (&'a VehicleState, &'a VehicleState),
@@ -92,7 +92,7 @@ impl PresenceMeter {
         }
         self.reach(Closeness::Apart);
         let (old, new) = step.places;
-        // In the middle of a bend nobody knows which part of the way is meant.
+        // In the middle of a bend the place does not say which part of the way is meant.
         if old.ambiguous || new.ambiguous || !step.has_moved.1 {
             return;
         }

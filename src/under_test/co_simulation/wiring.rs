@@ -262,7 +262,7 @@ fn unit(wire: &WiredVariable, scalar: &Scalar, description: &Description) -> Res
 /// A factor that is as near to that of its unit is rounded.
 const ROUNDED: f64 = 1e-6;
 
-/// What a unit of this name is in SI units, of those that descriptions often round.
+/// The SI value of one unit, for units whose factors are often rounded in descriptions.
 fn factor_of(name: &str) -> Option<f64> {
     const KNOWN: [(&str, f64); 9] = [
         ("km/h", 1.0 / 3.6),

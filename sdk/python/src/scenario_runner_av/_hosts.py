@@ -145,7 +145,7 @@ class VectorHost:
         try:
             answer = numpy.asarray(self.instance.step(batch))
             if answer.dtype.kind not in "iuf":
-                raise TypeError(f"`step` gave an array of {answer.dtype}, which is no array of numbers")
+                raise TypeError(f"`step` gave an array of {answer.dtype}, where numbers were due")
             answer = answer.astype(float)
             if answer.shape == (len(batch),):
                 answer = answer[:, None]
@@ -184,7 +184,7 @@ def number(value):
     return float(value)
 
 
-def _number(value):
+def _acceleration_or_speed(value):
     return [number(value)]
 
 
@@ -202,7 +202,7 @@ def _plan(value):
     return row + [NAN] * (2 * PLAN_POINTS - len(row))
 
 
-_ROWS = {"acceleration": _number, "speed": _number, "pedals": _pedals, "speed_plan": _plan}
+_ROWS = {"acceleration": _acceleration_or_speed, "speed": _acceleration_or_speed, "pedals": _pedals, "speed_plan": _plan}
 
 
 def json_answer(gives, modes, row):

@@ -37,7 +37,7 @@ class Results:
 
     @property
     def overall(self):
-        """What it all comes to, gates, ratings and blocks included: `passed`, `failed`, `regressed`, `not_comparable`, `inconclusive` or
+        """The verdict on all units, gates, ratings and blocks included: `passed`, `failed`, `regressed`, `not_comparable`, `inconclusive` or
         `nothing_judged`; None in results that do not say it."""
         return self.report.get("overall", {}).get("verdict")
 

@@ -85,7 +85,7 @@ impl Check {
         (1.0 - self.confidence) / 2.0
     }
 
-    /// Whether what it shows is not what its numbers say, as where results were changed by hand.
+    /// Whether its outcome does not follow from its numbers, as where results were changed by hand.
     pub fn contradicts_itself(&self) -> bool {
         let has_changed = !(self.worse_runs.is_empty() && self.better_runs.is_empty());
         let is_shown_worse = self.adjusted_p_value.is_some_and(|p| p <= self.level());
@@ -93,6 +93,7 @@ impl Check {
         match self.outcome {
             CheckOutcome::Same => has_changed,
             CheckOutcome::Regressed => false,
+            _ if self.power == Power::None => false,
             CheckOutcome::Held | CheckOutcome::NotShown if !self.certain => has_changed && is_shown_worse,
             CheckOutcome::Held | CheckOutcome::NotShown => {
                 !self.worse_runs.is_empty() && self.worse_by() > self.tolerance + rounding

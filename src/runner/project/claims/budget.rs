@@ -328,6 +328,14 @@ fn never_passes(
     }
 }
 
+/// Adds a finding unless it is known: what a template or a suite says of several scenarios is said once.
+pub(super) fn add_once(found: &mut Vec<Diagnostic>, finding: Diagnostic) {
+    let same = |one: &Diagnostic| (one.span(), &one.message) == (finding.span(), &finding.message);
+    if !found.iter().any(same) {
+        found.push(finding);
+    }
+}
+
 pub(super) fn at(code: Code, origin: &Origin, message: impl Into<String>, sources: &Sources) -> Diagnostic {
     let span = sources.span(origin).unwrap_or_else(|| {
         let (first, _) = sources.iter().next().expect("a suite was read from somewhere");

@@ -1,22 +1,16 @@
 //! Criteria about running a red light on roads that have no signal: looked at before anything runs.
 
-use super::budget::at;
+use super::budget::{add_once, at};
 use crate::plan;
 use lang::{Code, Diagnostic, Sources};
 use scenario::{Case, Criterion, CrossingKind, Scenario, Stake, Suite};
 
-/// A warning for every criterion about red lights in a scenario in which none of its vehicles comes to a signal. What cannot be planned
+/// A warning for every criterion about red lights in a scenario in which none of its vehicles reaches a signal. What cannot be planned
 /// is left to planning.
 pub fn examine_signals(suite: &Suite, sources: &Sources) -> Vec<Diagnostic> {
     let mut found: Vec<Diagnostic> = Vec::new();
     for scenario in &suite.scenarios {
-        for finding in of_scenario(suite, scenario, sources) {
-            // What a template or a suite says of several scenarios is said once.
-            let same = |one: &Diagnostic| (one.span(), &one.message) == (finding.span(), &finding.message);
-            if !found.iter().any(same) {
-                found.push(finding);
-            }
-        }
+        of_scenario(suite, scenario, sources).into_iter().for_each(|finding| add_once(&mut found, finding));
     }
     found
 }
@@ -35,7 +29,7 @@ fn of_scenario(suite: &Suite, scenario: &Scenario, sources: &Sources) -> Vec<Dia
     };
     let blind = concerned.into_iter().filter(|criterion| !comes_to_a_signal(criterion));
     let warning = |criterion: &Criterion| {
-        let message = format!("`{}` is about red lights, and no vehicle comes to a signal", criterion.text);
+        let message = format!("`{}` is about red lights, and no vehicle reaches a signal", criterion.text);
         at(Code::NoSignal, &criterion.origin, message, sources)
             .label("no run can put this to the test")
             .hint("declare `crossing signalised { … }` on the road, or leave the criterion out")
@@ -43,7 +37,7 @@ fn of_scenario(suite: &Suite, scenario: &Scenario, sources: &Sources) -> Vec<Dia
     blind.map(warning).collect()
 }
 
-/// Whether a vehicle that a criterion is about comes to a signal that shows red to vehicles.
+/// Whether a vehicle that a criterion is about reaches a signal that shows red to vehicles.
 fn has_signal(case: &Case, criterion: &Criterion) -> bool {
     let named = criterion.claim.metric().pair.as_ref().map(|(vehicle, _)| vehicle);
     let meant = case.world.vehicles.iter().filter(|car| named.is_none_or(|name| car.name == *name));

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::mem::discriminant;
 
-use super::budget::at;
+use super::budget::{add_once, at};
 use crate::plan::{self, PlanError};
 use lang::{Code, Diagnostic, Sources};
 use results::judge::{Possible, possible};
@@ -15,11 +15,8 @@ pub fn examine_bounds(suite: &Suite, sources: &Sources) -> Vec<Diagnostic> {
     let mut found: Vec<Diagnostic> = Vec::new();
     for scenario in &suite.scenarios {
         for (criterion, possible) in of_scenario(suite, scenario) {
-            let Some(finding) = finding(criterion, possible, sources) else { continue };
-            // What a template or a suite says of several scenarios is said once.
-            let same = |one: &Diagnostic| (one.span(), &one.message) == (finding.span(), &finding.message);
-            if !found.iter().any(same) {
-                found.push(finding);
+            if let Some(finding) = finding(criterion, possible, sources) {
+                add_once(&mut found, finding);
             }
         }
     }

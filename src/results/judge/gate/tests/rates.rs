@@ -38,6 +38,33 @@ fn a_rate_gets_worse_towards_the_side_of_its_metric() {
     assert_eq!(judge(&[long], &short(40), &short(10)).verdict, Verdict::Passed);
 }
 
+/// With other seeds runs get better by chance, too: a share of runs that only get worse says nothing of what would have been seen.
+#[test]
+fn what_a_rate_would_have_caught_is_not_said_of_other_seeds() {
+    let trials = [trial("walk/tta=6s", 200)];
+    let short =
+        |many: usize| baseline(&["pet"], &trials, move |_, _, run| Some(if run < many { 1.0 } else { 3.0 }));
+    let power = |candidate: &Baseline| judge(&[of_pet(0.02)], &short(10), candidate).checks[0].power;
+    assert!(matches!(power(&short(12)), Power::Share(_)));
+    assert_eq!(power(&Baseline { seed: 77, ..short(12) }), Power::OtherSeeds);
+}
+
+#[test]
+fn an_outcome_that_does_not_follow_from_its_numbers_is_seen() {
+    let trials = [trial("walk/tta=6s", 200)];
+    let short =
+        |many: usize| baseline(&["pet"], &trials, move |_, _, run| Some(if run < many { 1.0 } else { 3.0 }));
+    let verdict = judge(&[of_pet(0.02)], &short(10), &short(40));
+    let check = &verdict.checks[0];
+    assert_eq!((check.outcome, check.contradicts_itself()), (CheckOutcome::Regressed, false));
+    for outcome in [CheckOutcome::Same, CheckOutcome::Held, CheckOutcome::NotShown] {
+        assert!(Check { outcome, ..check.clone() }.contradicts_itself(), "{outcome:?}");
+    }
+    for candidate in [short(10), short(9), short(11)] {
+        assert!(!judge(&[of_pet(0.02)], &short(10), &candidate).checks[0].contradicts_itself());
+    }
+}
+
 /// A mean may hide what its rate shows, and the rule about every metric goes on comparing it.
 #[test]
 fn a_rate_leaves_its_metric_to_the_rule_about_all() {
