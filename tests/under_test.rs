@@ -398,7 +398,7 @@ fn a_fault_in_a_block_names_the_values() -> Outcome {
         ("", "tune best", tune, ""),
         ("", "evaluate both", evaluate, ""),
         ("crash", "search worst", search, "evaluated: later = "),
-        ("crash", "tune best", tune, "evaluated: av.controller.gap = "),
+        ("crash", "tune best", tune, "evaluated: what the scenarios declare"),
         ("crash", "evaluate both", evaluate, "both/default/case=1"),
     ] {
         let words = if kind.is_empty() { String::new() } else { format!("kind={kind}") };

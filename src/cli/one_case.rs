@@ -14,7 +14,7 @@ use results::Requests;
 use runner::corpus;
 use runner::experiment::searched_case;
 use runner::plan::{PlannedTrial, plan_scenario};
-use runner::project::{PlannedSuite, Project, key_alone};
+use runner::project::{PlannedSuite, Project};
 use runner::run::BatchError;
 use runner::session::{UnitKind, Work, units};
 use scenario::registry::Registry;
@@ -146,10 +146,10 @@ impl KeyArguments {
 
 /// A key that was made where others had the name of its suite, as it is among these.
 pub fn known_alone(key: &str, suites: &[PlannedSuite]) -> Option<String> {
-    suites.iter().filter(|suite| suite.suite.apart.is_empty()).find_map(|suite| {
-        let key = key_alone(key, &suite.file, &suite.suite.name)?;
-        Some(key.to_string())
-    })
+    suites
+        .iter()
+        .filter(|suite| suite.suite.apart.is_empty())
+        .find_map(|suite| suite.key_alone(key).map(str::to_string))
 }
 
 /// The run of that key; `None` if there is none. An error is one of a run that cannot be made any more, of which stderr was told.

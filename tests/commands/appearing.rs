@@ -202,24 +202,24 @@ fn a_car_sets_off_from_standstill() {
   road {{ lane_width 3.5 m; speed_limit 50 km/h; crossing zebra }}
   vehicle av {{ controller idm_aeb; speed {speed}; start 40 m before crossing }}
   pedestrian p {{ model scripted; start 2 m from kerb; appears at 30 s }}
-  vary from in [0 km/h, 18 km/h]
+  vary begins in [0 km/h, 18 km/h]
   expect {{ travel_time >= 0 s }}
 }}
 "
         )
     };
-    let folder = folder(&text("36 km/h from from"));
+    let folder = folder(&text("36 km/h from begins"));
     let output = scenario_runner(folder.path(), &[&RUN[..], &["--trace", "traces"]].concat());
     assert_eq!(code(&output), 0, "{}{}", stdout(&output), stderr(&output));
-    for (from, speed) in [("0km_h", 0.0), ("18km_h", 5.0)] {
+    for (from, speed) in [("=0km__h", 0.0), ("=18km__h", 5.0)] {
         let traces = fs::read_dir(folder.path().join("traces")).unwrap().map(|one| one.unwrap().path());
         let trace = traces.into_iter().find(|path| path.to_string_lossy().contains(from));
         let text = fs::read_to_string(trace.unwrap_or_else(|| panic!("{from}"))).unwrap();
         let mut lines = text.lines();
-        let column = lines.next().unwrap().split(',').position(|name| name == "speed_mps" || name == "speed");
+        let column = lines.next().unwrap().split(',').position(|name| name == "vx_m_s");
         let column = column.unwrap_or_else(|| panic!("{text:.200}"));
         let speeds: Vec<f64> = lines
-            .filter(|line| line.contains("av"))
+            .filter(|line| line.contains(",av,"))
             .map(|line| line.split(',').nth(column).unwrap().parse().unwrap())
             .collect();
         assert_eq!(speeds[0], speed);

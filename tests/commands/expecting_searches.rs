@@ -109,7 +109,7 @@ fn what_was_never_put_to_the_test_is_said_and_can_be_denied() {
     assert!(said.contains("untested"), "{said}");
     let denied = scenario_runner(folder.path(), &["hit.scn", "search=fastest", "--deny", "untested"]);
     assert_eq!(code(&denied), 102, "{}", stderr(&denied));
-    assert!(stderr(&denied).contains("in 1 block criteria passed untested"), "{}", stderr(&denied));
+    assert!(stderr(&denied).contains("in 1 unit criteria passed untested"), "{}", stderr(&denied));
 }
 
 #[test]

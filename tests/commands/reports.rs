@@ -22,7 +22,7 @@ fn settled(text: &str) -> String {
         // Terminal, TAP and the page.
         (r"\[ *\d+\.\d{3}s\]", "[TIME]"),
         (r"duration_ms: \d+", "duration_ms: 0"),
-        (r"runs, \d+\.\d{2} s<", "runs, TIME s<"),
+        (r", \d+\.\d{2} s<", ", TIME s<"),
         (r#"<td class="n">\d+\.\d{2}</td></tr>\n"#, "<td>TIME</td></tr>\n"),
         // JUnit.
         (r#" (time|timestamp)="[^"]*""#, r#" $1="…""#),

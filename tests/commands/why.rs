@@ -127,6 +127,7 @@ fn what_does_not_apply_is_said() {
 fn the_nearest_run_that_passed_is_found_among_results() {
     let folder = tempfile::tempdir().unwrap();
     let text = drive("when time_to_arrival(av) = tta", "30 s", "pet >= 1.5 s")
+        .replace("start 60 m before crossing", "start 120 m before crossing")
         .replace("  horizon", "  vary tta in [2 s, 3 s, 4 s, 9 s, 12 s]\n  horizon");
     fs::write(folder.path().join("a.scn"), text).unwrap();
     let results = scenario_runner(folder.path(), &["a.scn", "--json", "results.json"]);

@@ -37,9 +37,9 @@ fn along_a_path_that_is_straight_they_walk_as_along_a_straight_road() {
         "model scripted { speed: 1.577 m/s }; size 0.6 m x 0.5 m; walks with traffic; along 25.3 m; goal 41.3 m further; meets av at 37 % after 11.3 m",
     ];
     let cars = [
-        "controller constant_speed; speed 31.7 km/h; start 51.13 m before crossing",
-        "controller yielding; speed 28.3 km/h; start 43.719 m before crossing; sees { range: 30 m }",
-        "controller idm_aeb; speed 28.3 km/h; start 57.713 m before crossing",
+        "controller constant_speed; speed 31.7 km/h; start 81.13 m before crossing",
+        "controller yielding; speed 28.3 km/h; start 73.719 m before crossing; sees { range: 30 m }",
+        "controller idm_aeb; speed 28.3 km/h; start 87.713 m before crossing",
     ];
     let mut values = 0;
     for car in cars {

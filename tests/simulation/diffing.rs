@@ -58,7 +58,7 @@ scenario walk {
   }
   vary tta in [2 s, 4 s]
   draw late from uniform(0 s, 2 s)
-  pedestrian other { model carla_walker; start 1 m from kerb; appears at late }
+  pedestrian other { model carla_walker; along 1.5 m; start 1 m from kerb; appears at late }
   repeat 2
   expect { no collision; pet >= bound }
   let bound = 1.5 s

@@ -35,12 +35,16 @@ fn cases(plan: &Plan) -> Vec<Case> {
     plan.trials().flat_map(|trial| trial.cases.iter().collect::<Vec<_>>()).collect()
 }
 
+/// What a driver is told that a person is not.
+const OF_DRIVERS: [&str; 2] = ["same_as", "follows_vehicles"];
+
 #[test]
 fn drivers_have_the_parameters_of_whom_they_meet() {
     let plan = encounter(5);
     for case in cases(&plan) {
         let (walker, car) = (&case.world.pedestrians[0].model, &case.world.vehicles[0].controller);
-        let own: Vec<_> = car.settings.0.iter().filter(|(name, _)| *name != "same_as").collect();
+        let own: Vec<_> =
+            car.settings.0.iter().filter(|(name, _)| !OF_DRIVERS.contains(&name.as_str())).collect();
         assert_eq!(own, walker.settings.0.iter().collect::<Vec<_>>(), "{}", case.key);
         assert_eq!(car.settings.get("same_as"), Some(&Value::Word("walker".into())));
         let start = case.world.vehicles[0].speed;

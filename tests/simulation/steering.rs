@@ -129,7 +129,7 @@ const ROADS: [&str; 3] = [
 
 const PEOPLE: [&str; 4] = [
     "model scripted { speed: 1.577 m/s }; start 2.113 m from kerb; appears when time_to_arrival(av.front) = 3.0137 s",
-    "model scripted { speed: 1.577 m/s }; start 2.113 m from kerb; appears when time_to_arrival(av.front) = 5.0137 s",
+    "model scripted { speed: 1.577 m/s }; start 2.113 m from kerb; appears when time_to_arrival(av.front) = 3.8137 s",
     "model scripted { speed: 1.577 m/s }; start 4.113 m from lane centre; from far side; along 1.17 m; appears when time_to_arrival(av) = 2.0137 s",
     "model scripted { speed: 1.577 m/s }; start 5.113 m from lane centre; turned 21.3 deg left; appears when time_to_arrival(av.front) = 2.0137 s",
 ];

@@ -127,7 +127,12 @@ fn file(statement: &Statement, way: &str, value: f64) -> String {
   expect {{ no collision }}
 ",
         default(vehicle, "speed", "speed 30 km/h"),
-        default(vehicle, "start", "start 60 m before crossing"),
+        // A time to arrival decides where the vehicle starts.
+        if pedestrian.starts_with("appears when") {
+            ""
+        } else {
+            default(vehicle, "start", "start 60 m before crossing")
+        },
         put(vehicle),
         default(pedestrian, "model", "model scripted { speed: 1.4 m/s }"),
         default(pedestrian, "start", "start 2 m from kerb"),

@@ -4,7 +4,7 @@
 //! within 0.6 s. What counts as a risk is adapted here: a pedestrian on the road who is on a collision course, or the vehicle ahead, at a
 //! time to collision below 2 s or too near for the driver to stop later.
 
-use super::hazard::{Lead, Ramp, TIE, collision_course, keep_speed, lead, met_when_setting_off};
+use super::hazard::{Ramp, TIE, VehicleAhead, collision_course, keep_speed, lead, met_when_setting_off};
 use super::period::period;
 use super::red_light::{self, RedLight};
 use super::{CommandKind, ControllerContext, ControllerModel};
@@ -193,7 +193,7 @@ impl CarefulHuman {
                             && hazard.gap - self.standstill_gap < self.stopping_distance(ego.speed) - TIE
                 })
         });
-        let is_conflict = |ahead: Lead| {
+        let is_conflict = |ahead: VehicleAhead| {
             ahead.time_to_collision.is_finite()
                 && (!near
                     || ahead.time_to_collision < self.risk_time - TIE
@@ -203,7 +203,7 @@ impl CarefulHuman {
     }
 
     /// What is left (m) of the gap to the vehicle ahead if that brakes now as hard as the driver can, and the driver reacts to it.
-    fn room_behind(&self, ahead: &Lead, speed: f64) -> f64 {
+    fn room_behind(&self, ahead: &VehicleAhead, speed: f64) -> f64 {
         let own = self.stopping_distance(speed);
         let others = ahead.speed.max(0.0);
         let others = self.stopping_distance(others) - others * (self.risk_evaluation + self.reaction_delay);
@@ -219,7 +219,7 @@ impl CarefulHuman {
             let gap = met_when_setting_off(ego, seen, self.margin, self.acceleration);
             self.on_the_road(observation, seen) && gap.is_some_and(|gap| gap < reach)
         };
-        let too_near = |ahead: Lead| self.room_behind(&ahead, ego.speed) < NOT_PRESSING_ON;
+        let too_near = |ahead: VehicleAhead| self.room_behind(&ahead, ego.speed) < NOT_PRESSING_ON;
         ego.speed == 0.0 && observation.pedestrians.iter().any(person)
             || observation.vehicles.iter().filter_map(|seen| lead(ego, seen)).any(too_near)
     }

@@ -67,7 +67,7 @@ pub fn met_when_setting_off(
 
 /// A vehicle ahead in the lane, or about to be, that stands or drives along it.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Lead {
+pub struct VehicleAhead {
     /// From bumper to bumper, m.
     pub gap: f64,
     /// Along the lane, m/s; negative if it comes towards.
@@ -77,7 +77,7 @@ pub struct Lead {
 }
 
 /// The lead that another vehicle is if the strips that both sweep meet, both keeping their velocity.
-pub fn lead(ego: &EgoState, other: &SeenVehicle) -> Option<Lead> {
+pub fn lead(ego: &EgoState, other: &SeenVehicle) -> Option<VehicleAhead> {
     /// Below this it stands, whatever way noise lets it seem to move, m/s.
     const STANDS: f64 = 0.5;
     let (position, velocity) = (other.position, other.velocity);
@@ -93,7 +93,7 @@ pub fn lead(ego: &EgoState, other: &SeenVehicle) -> Option<Lead> {
     let beside = |time: f64| position.y + velocity.y * time;
     let (first, last) = if closes { (beside(arrives), beside(leaves)) } else { (position.y, position.y) };
     let meets = first.min(last) < half_width && first.max(last) > -half_width;
-    meets.then_some(Lead {
+    meets.then_some(VehicleAhead {
         gap,
         speed: velocity.x,
         time_to_collision: if closes { arrives } else { f64::INFINITY },

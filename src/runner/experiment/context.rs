@@ -1,11 +1,11 @@
 //! What every experiment of a suite shares, and who is told how far it is.
 
 use std::path::PathBuf;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use super::error::ExperimentError;
 use super::needs::measured;
-use crate::run::{Executor, FirstRuns, MeasuredMetrics, Stop, VerifyRuns};
+use crate::run::{Build, Executor, FirstRuns, MeasuredMetrics, Stop, VerifyRuns};
 use files::{Disk, Files};
 use results::Requests;
 use scenario::registry::Registry;
@@ -29,6 +29,8 @@ pub struct Context<'a> {
     pub first_runs: FirstRuns,
     /// What to tell whoever runs it, such as that the end of a journal was cut off.
     pub notices: Mutex<Vec<String>>,
+    /// Worked out when it is first asked for.
+    pub(super) program: OnceLock<String>,
 }
 
 impl<'a> Context<'a> {
@@ -45,6 +47,7 @@ impl<'a> Context<'a> {
             stop: Stop::default(),
             first_runs: FirstRuns::new(VerifyRuns::None),
             notices: Mutex::default(),
+            program: OnceLock::new(),
         }
     }
 
@@ -61,12 +64,21 @@ impl<'a> Context<'a> {
             stop: self.stop.clone(),
             first_runs: self.first_runs.clone(),
             notices: Mutex::default(),
+            program: OnceLock::new(),
         }
     }
 
     pub(super) fn tell(&self, notice: Option<&str>) {
         let mut notices = self.notices.lock().unwrap_or_else(PoisonError::into_inner);
         notices.extend(notice.map(str::to_string));
+    }
+
+    /// Which program makes the runs: its own bytes decide, or its version where they cannot be read.
+    pub(super) fn program(&self) -> &str {
+        self.program.get_or_init(|| match Build::here() {
+            Ok(build) => build.identity(),
+            Err(_) => env!("CARGO_PKG_VERSION").to_string(),
+        })
     }
 
     /// What is measured in every run, in the order of the outcomes' metrics.

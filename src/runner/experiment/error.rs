@@ -86,6 +86,14 @@ fn with_values(values: &str) -> String {
 }
 
 impl ExperimentError {
+    /// The same error of a run, which says what was evaluated.
+    pub(super) fn evaluating(self, what: impl FnOnce() -> String) -> Self {
+        match self {
+            Self::Run { key, error, .. } => Self::Run { values: what(), key, error },
+            other => other,
+        }
+    }
+
     /// The run that a program kept from its end, if that is what it is about.
     pub fn run_fault(&self) -> Option<RunFault> {
         match self {

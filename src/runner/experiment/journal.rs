@@ -1,19 +1,10 @@
 //! The journal of what is optimised, if there is a folder for it.
 
-use std::path::Path;
-use std::sync::LazyLock;
-
 use serde::Serialize;
 
+use super::context::Context;
 use super::journal_file::journal_file;
-use crate::run::Build;
 use optimise::{Definition, Error, Journal};
-
-/// Which program evaluates: its own bytes decide, or its version where they cannot be read.
-static PROGRAM: LazyLock<String> = LazyLock::new(|| match Build::here() {
-    Ok(build) => build.identity(),
-    Err(_) => env!("CARGO_PKG_VERSION").to_string(),
-});
 
 /// A journal from which a run that was cut off goes on, or one with a larger budget.
 pub struct Record {
@@ -24,14 +15,14 @@ impl Record {
     /// The journal for `name`. `inputs` is everything besides the definition that decides the evaluations; it and the
     /// program become part of the file's name, and the budget does not.
     pub fn open(
-        folder: Option<&Path>,
+        context: &Context,
         name: &str,
         inputs: &impl Serialize,
         definition: &Definition,
         batch: usize,
     ) -> Result<Self, Error> {
-        let Some(folder) = folder else { return Ok(Self { journal: None }) };
-        let decisive = (inputs, definition.without_budget(), &*PROGRAM);
+        let Some(folder) = &context.journals else { return Ok(Self { journal: None }) };
+        let decisive = (inputs, definition.without_budget(), context.program());
         let (path, _) = journal_file(folder, name, &decisive)?;
         Ok(Self { journal: Some(Journal::open(&path, definition, batch)?) })
     }

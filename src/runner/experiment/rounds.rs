@@ -4,7 +4,6 @@
 use std::collections::VecDeque;
 use std::ops::ControlFlow;
 use std::panic::resume_unwind;
-use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread;
 
@@ -35,8 +34,7 @@ impl Optimisation {
         definition: Definition,
         batch: usize,
     ) -> Result<Self, ExperimentError> {
-        let folder: Option<&Path> = context.journals.as_deref();
-        let record = Record::open(folder, name, inputs, &definition, batch)?;
+        let record = Record::open(context, name, inputs, &definition, batch)?;
         context.tell(record.notice());
         Ok(Self { optimiser: Optimiser::new(definition)?, record, batch })
     }

@@ -60,7 +60,7 @@ fn words<'p>(parts: impl IntoIterator<Item = Option<&'p std::ffi::OsStr>>) -> Ve
 
 /// A key of a suite that is alone, of what it was called where others of its name were: without the end of the path of its file before it.
 /// `None` if it begins otherwise.
-pub fn key_alone<'k>(key: &'k str, file: &str, name: &str) -> Option<&'k str> {
+pub(super) fn key_alone<'k>(key: &'k str, file: &str, name: &str) -> Option<&'k str> {
     let file = Path::new(file);
     let (folders, stem, whole) = (folders(file), words([file.file_stem()]), words([file.file_name()]));
     [folders.clone(), [folders.clone(), stem].concat(), [folders, whole].concat()].iter().find_map(|path| {

@@ -11,7 +11,6 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-pub use apart::key_alone;
 pub use claims::examine_claims;
 pub use examine::{examine, examine_edited};
 pub use notice::{Notice, NoticeLevel, Problems};

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use super::apart;
 use crate::plan::Plan;
 use lang::{Outside, Override, Replacement};
 use results::Recorded;
@@ -18,6 +19,13 @@ pub struct PlannedSuite {
     pub plan: Plan,
     /// Runs that failed in earlier sessions.
     pub recorded: Vec<Recorded>,
+}
+
+impl PlannedSuite {
+    /// What a key of the suite that was made where others had its name is where it is alone. `None` if it begins otherwise.
+    pub fn key_alone<'k>(&self, key: &'k str) -> Option<&'k str> {
+        apart::key_alone(key, &self.file, &self.suite.name)
+    }
 }
 
 /// What is otherwise than the files say.

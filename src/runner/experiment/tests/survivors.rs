@@ -140,9 +140,6 @@ fn reports_say_how_many_runs_have_no_value() {
     let tuned = run_tune(&context, &suite.tunes[0], &EarlierResults::default(), &Silent).unwrap();
     assert!(tuned.evaluations.iter().all(|one| one.objectives == [None]));
     assert!(tuned.evaluations.iter().all(|one| !one.feasible) && tuned.chosen.is_none());
-    let keeps = |margin: &Option<f64>| margin.is_some_and(|margin| margin >= 0.0);
-    let unknown = tuned.evaluations.iter().filter(|one| one.margins.iter().all(keeps)).count();
     let text = render_tune(&tuned);
-    let said = text.contains(&format!("{unknown} that keep every constraint have no value"));
-    assert_eq!(said, unknown > 0, "{text}");
+    assert!(text.contains("no candidate has a value") && text.contains("nothing is chosen"), "{text}");
 }

@@ -8,7 +8,7 @@ use results::{Candidate, CandidateOrigin};
 use scenario::{Case, SearchRange, Target, Value};
 
 /// A candidate that comes before those of the method.
-pub struct First {
+pub struct FirstCandidate {
     origin: CandidateOrigin,
     /// `None` where what is set is not one value for all cases.
     point: Option<Point>,
@@ -46,19 +46,31 @@ impl Evaluated {
 
 impl TuneUnderWay<'_> {
     /// Evaluates what the scenarios declare, and then what the user would like to be tried.
-    pub fn evaluate_first(&self) -> Result<Vec<First>, ExperimentError> {
+    pub fn evaluate_first(&self) -> Result<Vec<FirstCandidate>, ExperimentError> {
         let declared = std::iter::once((CandidateOrigin::Declared, Vec::new()));
         let tried = self.tune.tries.iter().map(|settings| (CandidateOrigin::Tried, settings.clone()));
         let mut all = Vec::new();
         for (origin, settings) in declared.chain(tried) {
             let cases = self.runs_with(&settings, false)?;
-            let outcomes = self.evaluating.run_all(all.len(), &cases)?;
+            let outcomes = self
+                .evaluating
+                .run_all(all.len(), &cases)
+                .map_err(|error| error.evaluating(|| self.tried_in_words(&settings)))?;
             let evaluation = self.evaluation_of(&outcomes, false);
             self.note(&evaluation);
             let point = self.point(&cases)?;
-            all.push(First { origin, point, settings, evaluation });
+            all.push(FirstCandidate { origin, point, settings, evaluation });
         }
         Ok(all)
+    }
+
+    /// What a first candidate is, for an error.
+    fn tried_in_words(&self, settings: &[(Target, Value)]) -> String {
+        if settings.is_empty() {
+            return "what the scenarios declare".to_string();
+        }
+        let each = settings.iter().map(|(target, value)| format!("{target} = {value}"));
+        each.collect::<Vec<_>>().join(", ")
     }
 
     /// Where these cases are in the space; `None` where a parameter has no value, or not the same one in all of them.
@@ -83,7 +95,7 @@ impl TuneUnderWay<'_> {
     /// a first one.
     pub fn candidates(
         &self,
-        first: Vec<First>,
+        first: Vec<FirstCandidate>,
         told: &[Option<u64>],
         optimiser: &Optimiser,
     ) -> Vec<Evaluated> {
@@ -106,7 +118,7 @@ impl TuneUnderWay<'_> {
     }
 }
 
-impl First {
+impl FirstCandidate {
     /// The point at which a space of these ranges holds it; `None` outside of them.
     pub fn within(&self, space: &optimise::Space) -> Option<&Point> {
         self.point.as_ref().filter(|point| space.unit(point).is_ok())

@@ -12,7 +12,7 @@ use super::error::ExperimentError;
 use super::overrides;
 use super::rounds::{Optimisation, optimise};
 use super::search::{self, definition, undecisive};
-use candidates::{Evaluated, First};
+use candidates::{Evaluated, FirstCandidate};
 use numbers::random::derive_seed;
 use optimise::{Optimiser, non_dominated};
 use results::{BeforeAndAfter, TuneResult, Violations};
@@ -198,9 +198,9 @@ impl TuneUnderWay<'_> {
 }
 
 /// Tells the optimiser of those that are within its space; gives the number of each.
-fn tell(first: &[First], optimiser: &mut Optimiser) -> Result<Vec<Option<u64>>, optimise::Error> {
+fn tell(first: &[FirstCandidate], optimiser: &mut Optimiser) -> Result<Vec<Option<u64>>, optimise::Error> {
     let space = optimiser.definition().space.clone();
-    let one = |one: &First| {
+    let one = |one: &FirstCandidate| {
         one.within(&space).map(|point| optimiser.observe(point, one.evaluation().clone())).transpose()
     };
     first.iter().map(one).collect()
