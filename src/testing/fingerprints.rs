@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use numbers::random::digest_bits;
 use results::{Requests, UnitReport};
+use scenario::Suite;
 use scenario::registry::Registry;
 use sha2::{Digest, Sha256};
 
@@ -26,11 +27,12 @@ pub fn path(folder: &Path, file: &str) -> PathBuf {
     folder.join(target).join(format!("{}.txt", file.replace(['/', '\\'], "-")))
 }
 
-/// The fingerprints of everything that was run of a suite, in the order of its units.
+/// The fingerprints of everything that was run of a suite, in the order of its units, with the keys that the suite has alone.
 ///
 /// # Errors
 /// The first unit that was not run to its end.
 pub fn lines<'a>(
+    suite: &Suite,
     reports: impl IntoIterator<Item = &'a UnitReport>,
     requests: &Requests,
     registry: &Registry,
@@ -48,7 +50,7 @@ pub fn lines<'a>(
                     return Err(format!("{} was not run to its end", trial.trial.key));
                 }
                 for outcome in &trial.outcomes {
-                    line(&mut text, &outcome.key, outcome.fingerprint);
+                    line(&mut text, suite.own_key(&outcome.key), outcome.fingerprint);
                     for ((_, digest), value) in metrics.iter_mut().zip(&outcome.metrics) {
                         digest.update(value.map_or([0xff; 8], f64::to_le_bytes));
                     }
@@ -56,7 +58,7 @@ pub fn lines<'a>(
             }
             UnitReport::Block(block) => {
                 let result = block.result().ok_or_else(|| format!("{} came to no result", block.key))?;
-                line(&mut text, &block.key, result.fingerprint());
+                line(&mut text, suite.own_key(&block.key), result.fingerprint());
             }
         }
     }

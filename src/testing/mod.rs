@@ -336,7 +336,8 @@ impl Tested {
 
     fn compare_fingerprints(&self, suite: usize, kept: &Path) -> Result<(), Failed> {
         let reports = self.session.reports(suite);
-        let found = lines(reports, self.session.requests(), self.project.registry())?;
+        let own = &self.project.suites()[suite].suite;
+        let found = lines(own, reports, self.session.requests(), self.project.registry())?;
         Ok(compare(kept, &found)?)
     }
 }
