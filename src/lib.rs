@@ -134,7 +134,7 @@ pub mod project {
         Cases, DrawAxis, Plan, PlanError, PlannedTrial, ScenarioPlan, plan, plan_scenario, standalone,
     };
     pub use runner::project::{
-        Notice, NoticeLevel, PlannedSuite, Problems, examine, examine_edited, plan_notices,
+        Notice, NoticeLevel, PlannedSuite, Problems, examine, examine_edited, key_prefixes, plan_notices,
     };
 }
 

@@ -1,7 +1,7 @@
 //! `scenario-runner list`: the scenarios, blocks, ratings and gates of suites, with tags and counts.
 
-use std::collections::{BTreeMap, HashMap};
-use std::path::Path;
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use serde_json::{Map, Value, json};
@@ -9,12 +9,12 @@ use serde_json::{Map, Value, json};
 use super::Exit;
 use super::filter::{self, FilterArguments};
 use super::load;
-use files::Disk;
+use files::{Disk, Files};
 use lang::filter::{SCENARIO, Show, Subject};
 use lang::{self, Style};
 use report::console::{stderr, stdout};
 use runner::plan::{self, Plan, PlannedTrial, ScenarioPlan};
-use runner::project::plan_notices;
+use runner::project::{key_prefixes, plan_notices};
 use scenario::registry::Registry;
 use scenario::{Block, Gate, Origin, Rating, Suite};
 
@@ -70,11 +70,16 @@ pub fn list(arguments: &ListArguments, registry: &Registry) -> Exit {
     };
     let mut exit = Exit::Success;
     let mut suites: Vec<(&str, Suite, Plan)> = Vec::new();
-    for file in &arguments.files {
+    let mut known: HashSet<PathBuf> = HashSet::new();
+    for file in arguments.files.iter().filter(|file| known.insert(Disk.identity(Path::new(file)))) {
         match planned(file, colour, registry) {
             Some((suite, plan)) => suites.push((file, suite, plan)),
             None => exit = Exit::Scenario,
         }
+    }
+    let names: Vec<_> = suites.iter().map(|(file, suite, _)| (*file, suite.name.as_str())).collect();
+    for (prefix, (_, suite, _)) in key_prefixes(&names).into_iter().zip(&mut suites) {
+        suite.apart = prefix;
     }
     let blocks: Vec<_> = suites.iter().map(|(_, suite, _)| Block::all(suite)).collect();
     let each = |show: &mut Show| {

@@ -18,7 +18,7 @@ use runner::project::{PlannedSuite, Project};
 use runner::run::BatchError;
 use runner::session::{UnitKind, Work, units};
 use scenario::registry::Registry;
-use scenario::{Case, Criterion, Scenario};
+use scenario::{Case, Criterion, Scenario, Search};
 
 #[derive(Debug, Args)]
 pub struct KeyArguments {
@@ -193,7 +193,12 @@ pub fn look_for<'a>(key: &str, suites: &'a [PlannedSuite]) -> Option<Result<Foun
     // A run of an evaluation of a search, which no trial has.
     let searched = |suite: &'a PlannedSuite| Some((suite, searched_case(&suite.suite, key)?));
     let (suite, case) = suites.iter().find_map(searched)?;
-    Some(Ok(FoundCase { suite, case, criteria: Vec::new() }))
+    let of_it = |search: &&Search| {
+        let name = format!("{}/{}/", suite.suite.key_name(), search.name);
+        key.starts_with(&name)
+    };
+    let criteria = suite.suite.searches.iter().find(of_it).map(|search| search.expect.clone());
+    Some(Ok(FoundCase { suite, case, criteria: criteria.unwrap_or_default() }))
 }
 
 /// Says on stderr why a run has no outcome; how the program ends then.

@@ -139,7 +139,7 @@ fn expected(arguments: &ReplayArguments, FoundCase { suite, case, .. }: &FoundCa
         let fingerprint = hexadecimal(recorded.fingerprint);
         return Some(Expected { fingerprint, case: Some(hexadecimal(recorded.case)), source });
     }
-    let seen = LastRun::read().runs.get(&LastRun::run_name(&case.key, case.seed))?.clone();
+    let seen = LastRun::read().seen(suite, &case.key, case.seed)?.clone();
     let source = "when its suite was last run".to_string();
     Some(Expected { fingerprint: seen.fingerprint, case: Some(seen.case), source })
 }

@@ -135,7 +135,7 @@ fn find(suite: &PlannedSuite, name: Option<&str>) -> Result<(Case, usize), Exit>
         Exit::NothingSelected
     };
     let all = || suite.plan.trials();
-    let Some(name) = name else {
+    let Some(name) = name.map(|name| suite.key_alone(name).unwrap_or(name)) else {
         let runs = all().map(|trial| trial.cases.len()).sum();
         let first = all().find(|trial| !trial.cases.is_empty()).ok_or_else(nothing)?;
         return Ok((first.cases.get(0), runs));

@@ -120,7 +120,7 @@ codes! {
         "A suite may be made of 20,000 files. A pattern such as `/**/*` that matches more is taken for a mistake.";
     Backslash = "E0209", "a backslash in the name of a file, or in a command",
         "Folders are separated by `/` everywhere, and by backslashes on Windows alone, where they are taken as they are. On other systems \
-         a backslash is part of a name, or makes another letter of the one behind it, which nobody means who writes a path. In the words of a \
+         a backslash is part of a name, or changes the letter behind it. In the words of a \
          command behind the first, `\\\\` is a backslash.";
     // Names
     DuplicateName = "E0301", "a name is defined twice",

@@ -40,14 +40,19 @@ fn in_list(list: Node) -> Option<Diagnostic> {
     Some(
         Diagnostic::new(Code::DecimalComma, span, message)
             .label("a comma separates values")
-            .note(format!("as it stands: {} values, {}", commas.len(), commas.join(", ")))
-            .note(format!("with decimal points: {} values, {points}", points.split(", ").count()))
+            .note(format!("as it stands: {}", of_values(commas.len(), &commas.join(", "))))
+            .note(format!("with decimal points: {}", of_values(points.split(", ").count(), &points)))
             .hint(format!(
                 "write a point, `{}.{}`, or a space behind commas that separate: `{0}, {1}`",
                 one.text(),
                 other.text()
             )),
     )
+}
+
+fn of_values(count: usize, values: &str) -> String {
+    let noun = if count == 1 { "value" } else { "values" };
+    format!("{count} {noun}, {values}")
 }
 
 fn is_whole(text: &str) -> bool {
@@ -83,7 +88,7 @@ mod tests {
         assert_eq!(notes("[0,5 %, 1,25 %]"), both);
         assert_eq!(notes("[0,5 %,1,25 %]"), both, "units tell, whatever spaces are");
         assert_eq!(notes("[1,5, 2,5]")[1], "with decimal points: 2 values, 1.5, 2.5");
-        assert_eq!(notes("[0,5 %]")[1], "with decimal points: 1 values, 0.5 %");
+        assert_eq!(notes("[0,5 %]")[1], "with decimal points: 1 value, 0.5 %");
         assert_eq!(notes("[-1,5 m, 2 m]")[1], "with decimal points: 2 values, -1.5 m, 2 m");
         assert_eq!(notes("uniform(0,5 s, 1,5 s) 5 times").len(), 2);
     }

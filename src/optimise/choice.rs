@@ -39,9 +39,10 @@ impl WorseBy {
         self.seen > self.error
     }
 
-    /// Better on the runs that were seen, beyond its uncertainty, and on those that it was not chosen on, too.
+    /// Better beyond its uncertainty, on the runs that were seen, which favour what was chosen on them, and on as many that nothing was
+    /// chosen on.
     pub fn is_better(&self) -> bool {
-        self.seen < -self.error && self.fresh < 0.0
+        self.seen < -self.error && self.fresh < -self.error
     }
 }
 

@@ -153,8 +153,8 @@ impl Definition {
         Ok(())
     }
 
-    /// What decides which points are evaluated, and what they come to, however many there are: with another budget the same. Designs of
-    /// the whole budget keep theirs.
+    /// The definition without its budget: it decides the same points, in the same order, for every budget. A design of the whole budget keeps
+    /// its budget, and how many points come first stays, too.
     pub fn without_budget(&self) -> Self {
         let mut definition = self.clone();
         match self.method {

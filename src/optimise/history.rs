@@ -26,6 +26,26 @@ pub struct Margin {
     pub value: Option<f64>,
     /// The candidate was abandoned: the worst margin is this or lower.
     pub censored: bool,
+    /// The constraint is kept, though nothing says by how much: what it bounds never arose.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub kept: bool,
+}
+
+impl Margin {
+    /// Of a candidate that was not abandoned.
+    pub fn of(value: Option<f64>) -> Self {
+        Self { value, censored: false, kept: false }
+    }
+
+    /// Of a constraint that is kept, though nothing says by how much.
+    pub fn kept() -> Self {
+        Self { value: None, censored: false, kept: true }
+    }
+
+    /// Is the constraint known to be kept?
+    pub fn is_kept(&self) -> bool {
+        !self.censored && (self.kept || self.value.is_some_and(|value| value >= 0.0))
+    }
 }
 
 /// All that one evaluation tells.
@@ -56,7 +76,7 @@ impl Evaluation {
     pub fn constrained(value: f64, margins: &[f64]) -> Self {
         Evaluation {
             objectives: vec![ObjectiveValue { value: Some(value), noise_variance: None }],
-            margins: margins.iter().map(|&value| Margin { value: Some(value), censored: false }).collect(),
+            margins: margins.iter().map(|&value| Margin::of(Some(value))).collect(),
             repetitions: 1,
             left_out: 0,
         }
@@ -64,7 +84,7 @@ impl Evaluation {
 
     /// An evaluation without any defined value: it failed, or its metric does not exist there.
     pub fn undefined(definition: &Definition) -> Self {
-        let margin = Margin { value: None, censored: false };
+        let margin = Margin::of(None);
         Evaluation {
             objectives: vec![
                 ObjectiveValue { value: None, noise_variance: None };
@@ -86,10 +106,9 @@ impl Evaluation {
         self.objectives.iter().all(|measurement| measurement.value.is_some()) && self.keeps_constraints()
     }
 
-    /// Are all margins known to be ≥ 0?
+    /// Are all constraints known to be kept?
     pub fn keeps_constraints(&self) -> bool {
-        let keeps = |margin: &Margin| !margin.censored && margin.value.is_some_and(|value| value >= 0.0);
-        self.margins.iter().all(keeps)
+        self.margins.iter().all(Margin::is_kept)
     }
 
     /// Checks it against the definition and turns numbers that are not finite into undefined ones.
@@ -152,7 +171,7 @@ impl EvaluatedPoint {
     /// Is something undefined that no violated constraint explains?
     pub fn is_undefined(&self) -> bool {
         let undefined = self.evaluation.objectives.iter().any(|measurement| measurement.value.is_none())
-            || self.evaluation.margins.iter().any(|margin| margin.value.is_none());
+            || self.evaluation.margins.iter().any(|margin| margin.value.is_none() && !margin.kept);
         undefined && !self.is_violated()
     }
 }
@@ -232,7 +251,7 @@ mod tests {
         let mut abandoned = trial(0.5, f64::NAN, 1);
         abandoned.evaluation.objectives[0].value = None;
         assert!(abandoned.is_undefined());
-        abandoned.evaluation.margins = vec![Margin { value: Some(-0.2), censored: true }];
+        abandoned.evaluation.margins = vec![Margin { censored: true, ..Margin::of(Some(-0.2)) }];
         assert!(abandoned.is_violated() && !abandoned.is_undefined() && !abandoned.is_feasible());
     }
 }

@@ -242,7 +242,13 @@ fn margins(trials: &[EvaluatedPoint], constraint: usize) -> (Vec<Datum>, Vec<Dat
             margin.value.filter(|_| margin.censored == censored)
         }
     };
-    let seen = merged(trials.iter().filter_map(|t| of(false)(t).map(|value| (t, value, None))));
+    let largest = trials.iter().filter_map(of(false)).fold(f64::NEG_INFINITY, f64::max);
+    // By how much it is kept where nothing says so: as much as anywhere, for want of more.
+    let kept = if largest > 0.0 { largest } else { 1.0 };
+    let value = |trial: &EvaluatedPoint| {
+        if trial.evaluation.margins[constraint].kept { Some(kept) } else { of(false)(trial) }
+    };
+    let seen = merged(trials.iter().filter_map(|t| value(t).map(|value| (t, value, None))));
     let mut limits: Vec<Datum> = Vec::new();
     for (trial, limit) in trials.iter().filter_map(|t| of(true)(t).map(|limit| (t, limit))) {
         if seen.iter().any(|datum| datum.unit == trial.unit) {
@@ -305,7 +311,7 @@ mod tests {
     #[test]
     fn a_censored_margin_is_an_upper_limit() {
         // The true margin is 2 − 4 x. Abandoned candidates at x > 0.5 recorded far too good (but negative) values.
-        let margin = |value, censored| Margin { value: Some(value), censored };
+        let margin = |value, censored| Margin { censored, ..Margin::of(Some(value)) };
         let mut trials: Vec<EvaluatedPoint> =
             (0..10).map(|i| 0.06 * f64::from(i)).map(|x| trial(x, margin(2.0 - 4.0 * x, false))).collect();
         let without = feasibility_at(&trials, 0.7);
@@ -388,7 +394,7 @@ mod tests {
 
     #[test]
     fn undefined_evaluations_count_as_infeasible_around_them() {
-        let feasible = Margin { value: Some(1.0), censored: false };
+        let feasible = Margin::of(Some(1.0));
         let mut trials: Vec<EvaluatedPoint> = (0..20).map(|i| trial(f64::from(i) / 19.0, feasible)).collect();
         for trial in trials.iter_mut().filter(|trial| trial.unit[0] > 0.6) {
             trial.evaluation.objectives[0].value = None;

@@ -295,7 +295,7 @@ fn a_constraint_is_learnt_from_abandoned_candidates() {
         let mut evaluation = Evaluation::constrained(x, &[margin]);
         if margin < 0.0 {
             evaluation.objectives[0].value = None;
-            evaluation.margins[0] = Margin { value: Some(0.3 * margin), censored: true };
+            evaluation.margins[0] = Margin { censored: true, ..Margin::of(Some(0.3 * margin)) };
         }
         evaluation
     })

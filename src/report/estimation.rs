@@ -91,7 +91,7 @@ pub(super) fn sentences(result: &EstimateResult) -> Vec<String> {
 /// The runs of the estimate's own scenario that do more than show where to look.
 fn counted_runs(result: &EstimateResult) -> usize {
     let of_each = if result.compared.is_some() { 2 } else { 1 };
-    (result.runs - result.pilot_runs) / of_each
+    ((result.runs - result.pilot_runs) / of_each).saturating_sub(result.left_out)
 }
 
 /// What it is compared with, how probable the event is there, and how the two differ.

@@ -35,7 +35,7 @@ pub fn render_tune(result: &TuneResult) -> String {
     let (all, unknown) =
         (result.evaluations.len(), result.evaluations.iter().filter(|one| one.has_no_value()));
     let unknown = unknown.count();
-    if unknown == all {
+    if unknown == all && result.nothing_chosen().is_some() {
         writeln!(text, "  no candidate has a value, {WITHOUT_VALUE}: nothing is chosen").expect(STRING);
         return text;
     }
@@ -56,7 +56,11 @@ pub fn render_tune(result: &TuneResult) -> String {
         writeln!(text, "  {why}").expect(STRING);
     }
     for one in &result.pareto {
-        writeln!(text, "  front: {}", candidate(result, one)).expect(STRING);
+        let declared = match one.origin {
+            CandidateOrigin::Declared if !one.point.is_empty() => "what is declared, ",
+            _ => "",
+        };
+        writeln!(text, "  front: {declared}{}", candidate(result, one)).expect(STRING);
     }
     if let Some(Violations { runs, of }) = result.broken_on_fresh() {
         let which = if result.chosen.is_some() { "the chosen candidate" } else { "a candidate on the front" };

@@ -52,7 +52,7 @@ pub fn render_search(result: &SearchResult) -> String {
 fn judged(result: &SearchResult) -> String {
     let Some(judged) = &result.judged else { return String::new() };
     let mut text = match (judged.runs.is_empty(), judged.of_kept) {
-        (true, _) => "nothing that was found is usual enough to be judged\n".to_string(),
+        (true, _) => format!("{}\n", judged.nothing()),
         (_, true) => "expected of what was kept, run by run:\n".to_string(),
         (_, false) => "nothing was kept; expected of the best observed, run by run:\n".to_string(),
     };

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::written_counts::is_zero;
 use crate::Verdict;
 use numbers::inference::Interval;
 use scenario::{EstimateMethod, Exposure};
@@ -59,6 +60,9 @@ pub struct EstimateResult {
     /// In how many of the runs that count something was at stake that the event is about.
     #[serde(default)]
     pub encounters: usize,
+    /// Encounters that are left out, since there are none such, of those that would count.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub left_out: usize,
     /// So many hits of equal weight would say as much.
     pub effective_size: f64,
     /// The largest weight in the sum of all.

@@ -164,6 +164,7 @@ impl Mixture {
             // Nothing that is estimated depends on it.
             cut_off: _,
             encounters: _,
+            left_out: _,
             effective_size,
             largest_share: _,
             contradiction: _,
@@ -323,7 +324,10 @@ impl Mixture {
         }
     }
 
-    fn candidate(&mut self, Candidate { origin: _, point, objectives, margins, feasible }: &Candidate) {
+    fn candidate(
+        &mut self,
+        Candidate { origin: _, point, objectives, margins, keeps_constraints: _, feasible }: &Candidate,
+    ) {
         self.point(point);
         self.numbers(objectives);
         self.numbers(margins);

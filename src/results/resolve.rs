@@ -87,9 +87,19 @@ fn of_block(report: &mut BlockReport, resolve: Resolve) {
     let declared = Arc::make_mut(&mut report.block).metrics_mut();
     declared.into_iter().for_each(|reference| resolve(&mut reference.metric));
     let BlockState::Finished(result) = &mut report.state else { return };
-    if let BlockResult::Evaluate(evaluate) = &mut **result {
-        let measures = evaluate.measures.iter_mut();
-        measures.for_each(|measure| resolve(&mut measure.aggregate.metric_mut().metric));
+    match &mut **result {
+        BlockResult::Evaluate(evaluate) => {
+            let measures = evaluate.measures.iter_mut();
+            measures.for_each(|measure| resolve(&mut measure.aggregate.metric_mut().metric));
+        }
+        BlockResult::Search(search) => {
+            let runs = search.judged.iter_mut().flat_map(|judged| &mut judged.runs);
+            runs.for_each(|run| of_findings(&mut run.findings, resolve));
+        }
+        BlockResult::Tune(_)
+        | BlockResult::Calibrate(_)
+        | BlockResult::Estimate(_)
+        | BlockResult::Statement(_) => {}
     }
 }
 

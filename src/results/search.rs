@@ -98,6 +98,11 @@ impl JudgedSearch {
         }
     }
 
+    /// Why no run is judged.
+    pub fn nothing(&self) -> &'static str {
+        "nothing was found that could be judged"
+    }
+
     /// Why it did not pass; `None` if it did.
     fn failure(&self) -> Option<String> {
         let verdict = self.verdict();
@@ -105,7 +110,7 @@ impl JudgedSearch {
             return None;
         }
         let Some(first) = self.runs.iter().find(|run| run.verdict() == verdict) else {
-            return Some("nothing that was found is usual enough to be judged".to_string());
+            return Some(self.nothing().to_string());
         };
         let mut criteria: Vec<String> = Vec::new();
         for finding in self.runs.iter().flat_map(|run| &run.findings).filter(|one| one.verdict == verdict) {

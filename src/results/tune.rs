@@ -56,7 +56,7 @@ pub struct TuneResult {
 /// Values of the parameters with what they give on the set.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Candidate {
-    /// Who proposed it.
+    /// Where it comes from.
     #[serde(default, skip_serializing_if = "CandidateOrigin::is_method")]
     pub origin: CandidateOrigin,
     /// One value per parameter, in the order of [`TuneResult::parameters`]; empty of what is declared where that is not one value for all
@@ -66,11 +66,13 @@ pub struct Candidate {
     pub objectives: Vec<Option<f64>>,
     /// Worst margin over the set per constraint; negative is violated, `None` cannot be said.
     pub margins: Vec<Option<f64>>,
-    /// Whether it keeps every constraint on the set.
+    /// Whether it keeps every constraint on the set; so it does one without a margin if what that bounds never arose.
+    pub keeps_constraints: bool,
+    /// Whether it does, and every objective has a value.
     pub feasible: bool,
 }
 
-/// Who proposed a candidate.
+/// Where a candidate comes from.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CandidateOrigin {
@@ -92,8 +94,7 @@ impl CandidateOrigin {
 impl Candidate {
     /// Keeps every constraint, but an objective has no value.
     pub fn has_no_value(&self) -> bool {
-        let keeps = |margin: &Option<f64>| margin.is_some_and(|margin| margin >= 0.0);
-        self.objectives.contains(&None) && self.margins.iter().all(keeps)
+        self.objectives.contains(&None) && self.keeps_constraints
     }
 }
 

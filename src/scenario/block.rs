@@ -103,7 +103,8 @@ impl Block {
                     Keep::Metric { comparison, .. } => Some(&mut comparison.metric),
                     Keep::Plausibility { .. } => None,
                 });
-                [search.objective.aggregate.metric_mut()].into_iter().chain(kept).collect()
+                let expected = search.expect.iter_mut().map(|criterion| criterion.claim.metric_mut());
+                [search.objective.aggregate.metric_mut()].into_iter().chain(kept).chain(expected).collect()
             }
             Self::Tune(tune) => {
                 let objectives = tune.objectives.iter_mut().map(|objective| objective.aggregate.metric_mut());

@@ -91,7 +91,7 @@ impl Otherwise {
             return;
         }
         let lost = deceleration * duration;
-        let (speed, driven) = if before.speed < lost {
+        let (speed, driven) = if lost > 0.0 && before.speed < lost {
             (0.0, before.speed * before.speed / (2.0 * deceleration))
         } else {
             (before.speed - lost, (before.speed - lost / 2.0) * duration)

@@ -8,7 +8,7 @@
 
 use nalgebra::Vector2;
 
-use super::geometry::Footprint;
+use super::geometry::{Footprint, apart};
 use scenario::agent::{Motion, PedestrianState};
 use scenario::{Shape, World};
 
@@ -29,9 +29,12 @@ pub(super) struct KeepClear {
     /// How far each of them does, m.
     who: Vec<Option<f64>>,
     boxes: Vec<Footprint>,
+    /// Which boxes each of them passes as one, since the gaps between them are too narrow: the number of the first of them for each box, one
+    /// person after the other.
+    rows: Vec<usize>,
     /// Where everybody would be after the step that their models want; of who is not there, nowhere.
     wanted: Vec<Option<PedestrianState>>,
-    /// How each of them decides who steps around a box.
+    /// What the model of each pedestrian who steps around a box is shown.
     detours: Vec<Option<Detour>>,
     /// On which side each of them goes around each box while near it, one person after the other.
     sides: Vec<Option<Side>>,
@@ -100,11 +103,18 @@ impl KeepClear {
         let who: Vec<_> = world.pedestrians.iter().map(scenario::PedestrianSetup::keeps_clear).collect();
         let boxes: Vec<Footprint> = world.road.boxes.iter().map(Footprint::from).collect();
         let bodies = who.len().saturating_sub(1) + boxes.len();
-        (who.iter().any(Option::is_some) && bodies > 0).then(|| Self::of(who, boxes))
+        (who.iter().any(Option::is_some) && bodies > 0).then(|| {
+            let shapes = world.pedestrians.iter().map(|setup| setup.shape);
+            let rooms: Vec<f64> =
+                who.iter().zip(shapes).map(|(gap, shape)| room_to_pass(shape, *gap)).collect();
+            Self::of(who, &rooms, boxes)
+        })
     }
 
-    fn of(who: Vec<Option<f64>>, boxes: Vec<Footprint>) -> Self {
+    /// `rooms` has how wide a gap each person needs, m.
+    fn of(who: Vec<Option<f64>>, rooms: &[f64], boxes: Vec<Footprint>) -> Self {
         Self {
+            rows: rooms.iter().flat_map(|room| rows(&boxes, *room)).collect(),
             wanted: vec![None; who.len()],
             detours: vec![None; who.len()],
             sides: vec![None; who.len() * boxes.len()],
@@ -192,15 +202,19 @@ impl KeepClear {
         let now = Footprint::from(&people[index]);
         let inherited = self.detours[index].map(|detour| detour.side);
         self.lines.clear();
-        // They have to be able to turn before it.
+        // The body must have room to turn before the box.
         let round = Footprint { shape: Shape::Disc { radius: now.radius() }, ..now };
+        let rows = &self.rows[index * self.boxes.len()..][..self.boxes.len()];
         let sides = self.sides[index * self.boxes.len()..].iter_mut();
         for (number, (body, known)) in self.boxes.iter().zip(sides).enumerate() {
             let Some((normal, between)) = line(&round, body, (longest, gap)) else {
                 *known = None;
                 continue;
             };
-            let side = known.or(inherited).unwrap_or_else(|| nearer_end(&now, body, normal, way));
+            let side = known.or(inherited).unwrap_or_else(|| {
+                let row = self.boxes.iter().zip(rows).filter(|(_, row)| **row == rows[number]);
+                nearer_end(&now, &row.map(|(body, _)| body).collect::<Vec<_>>(), normal, way)
+            });
             let of = Of::Box { index: number, side };
             self.lines.push(Line {
                 normal,
@@ -209,7 +223,7 @@ impl KeepClear {
                 of,
                 has_bent: false,
             });
-            // Nearer than that they go on as long as they touch nothing, but come no nearer.
+            // A body that is nearer already may go on, but comes no nearer.
             let nearer =
                 line(&now, body, (longest, gap)).filter(|_| between <= 0.0 && now.shape != round.shape);
             self.lines.extend(nearer.map(|(normal, between)| Line {
@@ -251,15 +265,47 @@ fn room(between: f64, gap: f64, share: f64) -> f64 {
     ((between - GAP - gap) * share).max(0.0)
 }
 
-/// The side on which somebody who wants to go `way` (m) passes a box: where that leads along its face, else where its end is nearer; the
-/// right if both are as near.
-fn nearer_end(walker: &Footprint, body: &Footprint, normal: Vector2<f64>, way: Vector2<f64>) -> Side {
-    let right = right_of(normal);
-    let along = way.dot(&right);
-    let is_left = if along.abs() > HEAD_ON * way.norm() {
-        along < 0.0
-    } else {
-        (body.centre - walker.centre).dot(&right) > 0.0
+/// How wide a gap a person of that shape needs who keeps so far away (m), m.
+fn room_to_pass(shape: Shape, gap: Option<f64>) -> f64 {
+    let body = Footprint { centre: Vector2::zeros(), heading: Vector2::x(), shape };
+    2.0 * (body.radius() + gap.unwrap_or(0.0) + GAP)
+}
+
+/// For each box the number of the first one of its row: boxes without gaps of `room` m between them.
+fn rows(boxes: &[Footprint], room: f64) -> Vec<usize> {
+    let mut rows: Vec<usize> = (0..boxes.len()).collect();
+    for (one, other) in (0..boxes.len()).flat_map(|one| (0..one).map(move |other| (one, other))) {
+        if apart(&boxes[one], &boxes[other]) < room {
+            let (joined, first) = (rows[one].max(rows[other]), rows[one].min(rows[other]));
+            rows.iter_mut().filter(|row| **row == joined).for_each(|row| *row = first);
+        }
+    }
+    rows
+}
+
+/// The side on which somebody who wants to go `way` (m) passes a row of boxes: of one box where the way leads along its face, else where the
+/// end of the row is nearer; the right if both are as near.
+fn nearer_end(walker: &Footprint, row: &[&Footprint], normal: Vector2<f64>, way: Vector2<f64>) -> Side {
+    let is_left = match row {
+        [body] => {
+            let right = right_of(normal);
+            let along = way.dot(&right);
+            match along.abs() > HEAD_ON * way.norm() {
+                true => along < 0.0,
+                false => (body.centre - walker.centre).dot(&right) > 0.0,
+            }
+        }
+        // The nearest corner says nothing of where a row ends.
+        row => {
+            let right = right_of(way.try_normalize(0.0).unwrap_or(normal));
+            let place = |body: &&Footprint| (body.centre - walker.centre).dot(&right);
+            let ends =
+                row.iter().map(|body| (place(body) - body.reach(right), place(body) + body.reach(right)));
+            let (left, end) = ends.fold((f64::INFINITY, f64::NEG_INFINITY), |(left, end), (from, to)| {
+                (left.min(from), end.max(to))
+            });
+            left + end > GAP
+        }
     };
     if is_left { Side::Left } else { Side::Right }
 }
@@ -398,7 +444,8 @@ mod tests {
 
     /// Where they are after each step.
     fn run(walkers: &[Walker], boxes: &[Footprint], steps: usize) -> Vec<Vec<PedestrianState>> {
-        let mut rule = KeepClear::of(vec![Some(0.0); walkers.len()], boxes.to_vec());
+        let rooms: Vec<f64> = walkers.iter().map(|one| room_to_pass(one.state.shape, Some(0.0))).collect();
+        let mut rule = KeepClear::of(vec![Some(0.0); walkers.len()], &rooms, boxes.to_vec());
         let mut now: Vec<_> = walkers.iter().map(|walker| walker.state).collect();
         let step = |_| {
             let wanted = now.iter().zip(walkers).map(|(state, walker)| {
@@ -519,6 +566,36 @@ mod tests {
         let apart = last[1].position.y - last[0].position.y;
         // Half of what is between them may be walked in a step of 0.1 s.
         assert!((apart - 0.7).abs() < 1e-3 && (last[0].velocity.y - 1.0).abs() < 0.1, "{last:?}");
+    }
+
+    /// A gap straight ahead that is too narrow is no way, nor is one between boxes that stand one behind the other.
+    #[test]
+    fn boxes_without_a_way_between_them_are_walked_around_as_one() {
+        let at = |x: f64, y: f64, length: f64, width: f64| Footprint {
+            centre: Vector2::new(x, y),
+            heading: Vector2::x(),
+            shape: Shape::Rectangle { length, width },
+        };
+        let disc = Shape::Disc { radius: 0.25 };
+        for boxes in [
+            [at(-2.4, 0.0, 4.5, 1.8), at(2.4, 0.0, 4.5, 1.8)],
+            [at(-2.5, 0.0, 4.5, 1.8), at(2.5, 0.0, 4.5, 1.8)],
+            [at(-1.0, 0.0, 2.2, 0.4), at(1.0, -0.7, 2.2, 0.4)],
+            [at(1.0, 0.0, 2.2, 0.4), at(-1.0, -0.7, 2.2, 0.4)],
+        ] {
+            for x in [-1.0, -0.2, -1e-9, 0.0, 0.1, 0.7] {
+                let walker = Walker::new(disc, (x, -3.0), (x, 3.0), 1.4);
+                let all = run(&[walker], &boxes, 150);
+                let last = &all.last().unwrap()[0];
+                assert!((last.position - Vector2::new(x, 3.0)).norm() < 1e-9, "{x}, {boxes:?}: {last:?}");
+            }
+        }
+        // Through one that is wide enough the way leads straight on.
+        let boxes = [at(-2.6, 0.0, 4.5, 1.8), at(2.6, 0.0, 4.5, 1.8)];
+        let all = run(&[Walker::new(disc, (0.0, -3.0), (0.0, 3.0), 1.4)], &boxes, 60);
+        assert!(
+            all.iter().all(|states| states[0].position.x == 0.0) && all.last().unwrap()[0].position.y == 3.0
+        );
     }
 
     /// Before a wall they go along it to their right, and around it.

@@ -123,6 +123,7 @@ estimate hit {
     let left_out: f64 = warning.split(' ').next().unwrap().parse().unwrap();
     assert!((185.0..265.0).contains(&left_out) && warning.contains("encounters are left out"), "{warning}");
     assert!(said.contains("encounters are left out"), "{said}");
+    assert!(said.contains(&format!("of {} runs that count", 1000.0 - left_out)), "{said}");
     // All who come before the car's rear are hit.
     let (value, nominal) = (estimate["value"].as_f64().unwrap(), estimate["nominal_runs"].as_f64().unwrap());
     assert_eq!(nominal, 1000.0 - left_out);

@@ -134,3 +134,75 @@ fn results_say_the_exit_code_that_the_run_earned() {
     assert_eq!(of(&late, &[]), said(0, "passed"));
     assert_eq!(of(&late, &["--deny", "untested"]), said(102, "inconclusive"));
 }
+
+const BLOCKS: &str = "scenario s {
+  road { lane_width 3.5 m; speed_limit 50 km/h; crossing zebra }
+  vehicle av { controller carla_behavior { braking_distance: 8 m }; speed 30 km/h }
+  pedestrian p { model scripted { speed: 1.4 m/s }; start 2 m from kerb; appears when time_to_arrival(av) = tta }
+  vary tta in [5 s]
+}
+search w { in s; minimise pet; over tta in 3 s .. 9 s; budget 4 evaluations, by sobol; expect { pet >= 30 s } }
+tune t { on s; over av.controller.braking_distance in 20 m .. 30 m; minimise mean(time_lost); subject to pet >= 30 s; budget 2 evaluations, by sobol }
+";
+
+#[test]
+fn edited_searches_and_tunes_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("a.scn"), BLOCKS).unwrap();
+    type Edit = fn(&mut Value);
+    let search: [Edit; 4] = [
+        |search| search["judged"]["runs"][0]["findings"] = json!([]),
+        |search| search["judged"]["runs"][0]["findings"][0]["verdict"] = json!("passed"),
+        |search| search["judged"]["runs"] = json!([]),
+        |search| drop(search.as_object_mut().unwrap().remove("judged")),
+    ];
+    let tune: [Edit; 2] = [
+        |tune| tune["chosen"] = tune["evaluations"][0].clone(),
+        |tune| {
+            tune["evaluations"][0]["feasible"] = json!(true);
+            tune["evaluations"][0]["keeps_constraints"] = json!(true);
+            tune["chosen"] = tune["evaluations"][0].clone();
+            tune["fresh_violations"] = json!([{ "runs": 0, "of": 1 }]);
+        },
+    ];
+    for (kind, block, edits) in [("search", "search=w", &search[..]), ("tune", "tune=t", &tune[..])] {
+        let tap = ["--json", "r.json", "--tap", "run.tap"];
+        let output = scenario_runner(folder.path(), &[&["run", "a.scn", block], &tap[..]].concat());
+        assert_eq!(output.status.code(), Some(100), "{}{}", stdout(&output), stderr(&output));
+        let read = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
+        let whole: Value = serde_json::from_str(&read("r.json")).unwrap();
+        assert_eq!(report(folder.path(), &whole).0, Some(100));
+        // What is told later is what was told at once.
+        scenario_runner(folder.path(), &["report", "r.json", "--tap", "report.tap"]);
+        let told = |name| {
+            read(name).lines().filter(|line| line.contains("pet")).map(String::from).collect::<Vec<_>>()
+        };
+        assert_eq!(told("run.tap"), told("report.tap"));
+        let blocks = whole["suites"][0]["blocks"].as_array().unwrap();
+        let place = blocks.iter().position(|block| !block["result"][kind].is_null()).unwrap();
+        for (index, edit) in edits.iter().enumerate() {
+            let mut edited = whole.clone();
+            all_green(&mut edited);
+            edit(&mut edited["suites"][0]["blocks"][place]["result"][kind]);
+            edited["overall"] = json!({ "verdict": "passed", "exit_code": 0 });
+            let (code, said) = report(folder.path(), &edited);
+            assert!(code == Some(2) && said.contains("cannot report"), "{kind} {index}: {code:?} {said}");
+        }
+    }
+}
+
+#[test]
+fn a_run_that_speaks_against_a_search_is_told_and_shrunk() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("a.scn"), BLOCKS).unwrap();
+    let output = scenario_runner(folder.path(), &["run", "a.scn", "search=w", "--json", "r.json"]);
+    assert_eq!(output.status.code(), Some(100));
+    let text = fs::read_to_string(folder.path().join("r.json")).unwrap();
+    let whole: Value = serde_json::from_str(&text).unwrap();
+    let block = &whole["suites"][0]["blocks"][0]["result"]["search"];
+    let key = block["judged"]["runs"][0]["key"].as_str().unwrap();
+    let why = stdout(&scenario_runner(folder.path(), &["why", key, "a.scn"])).to_string();
+    assert!(why.contains("FAILS `pet >= 30 s`"), "{why}");
+    let shrunk = scenario_runner(folder.path(), &["shrink", key, "a.scn", "--output", "small.scn"]);
+    assert_eq!(shrunk.status.code(), Some(0), "{}", stderr(&shrunk));
+}

@@ -125,3 +125,32 @@ fn scenario_files_of_one_name_are_told_apart_as_well() {
     assert_eq!(exit, 100, "{said}");
     assert!(said.contains("a/x/s") && said.contains("b/x/s"), "{said}");
 }
+
+#[test]
+fn what_failed_is_known_of_each_file_alone_and_together() {
+    let folder = folder();
+    let path = folder.path();
+    run(path, &[&BOTH[..], &["--no-progress"]].concat());
+    // The one that failed is known where it is alone, however it is named.
+    for file in [BOTH[1], "./b/../b/zebra.suite"] {
+        let (exit, said) = run(path, &["--last-failed", "--no-progress", file]);
+        assert!(exit == 100 && !said.contains("nothing of this is known"), "{said}");
+    }
+    // That another suite of the name passes takes nothing away.
+    let (exit, said) = run(path, &["--last-failed", "--no-progress", BOTH[0]]);
+    assert!(exit == 0 && said.contains("nothing of this is known"), "{said}");
+    let (exit, said) = run(path, &[&["--last-failed", "--no-progress"], &BOTH[..]].concat());
+    assert!(exit == 100 && said.contains("1 trial") && said.contains("b/zebra/s"), "{said}");
+}
+
+#[test]
+fn all_of_them_are_listed_and_drawn_by_the_same_names() {
+    let folder = folder();
+    let (exit, said) = run(folder.path(), &["list", BOTH[0], BOTH[1], "./b/zebra.suite"]);
+    assert_eq!(exit, 0, "{said}");
+    let listed: Vec<&str> = said.lines().filter(|line| line.contains("zebra/s ")).collect();
+    assert_eq!(listed.len(), 2, "{said}");
+    assert!(said.contains("a/zebra/s") && said.contains("b/zebra/s"), "{said}");
+    let (exit, said) = run(folder.path(), &["sketch", BOTH[1], "b/zebra/s"]);
+    assert_eq!(exit, 0, "{said}");
+}

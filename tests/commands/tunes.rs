@@ -231,3 +231,66 @@ fn a_larger_budget_goes_on_from_the_journal_where_nothing_else_changed() {
     place.tune("far");
     assert_eq!(recorded(place.path()), [10, 12]);
 }
+
+/// A car that hits at some braking distances and at others does not; the declared one does not.
+fn hits(tune: &str) -> Place {
+    Place::new(&format!(
+        "scenario s {{
+  road {{ lanes forward, backward; lane_width 3.5 m; speed_limit 50 km/h; crossing zebra {{ width: 4 m }} }}
+  vehicle av {{ controller carla_behavior {{ braking_distance: 8 m }}; speed 30 km/h }}
+  pedestrian p {{ model scripted {{ speed: 1.4 m/s }}; start 2 m from kerb; appears when time_to_arrival(av) = 3 s }}
+}}
+tune g {{ on s; over av.controller.braking_distance in 1 m .. 30 m; {tune}; budget 8 evaluations, 8 random first, by sobol }}
+"
+    ))
+}
+
+#[test]
+fn a_constraint_is_kept_where_what_it_bounds_never_arose() {
+    for constraint in ["impact_speed <= 3 m/s", "impact_speed <= 3 m/s undefined passes", "no ran_red"] {
+        let (tune, said, code) =
+            hits(&format!("minimise mean(time_lost); subject to {constraint}")).tune("g");
+        let declared = &tune["evaluations"][0];
+        assert_eq!((&declared["feasible"], &declared["margins"][0]), (&true.into(), &Value::Null), "{said}");
+        assert_eq!(code, 0, "{said}");
+        assert!(!said.contains("breaks a constraint"), "{said}");
+    }
+    // With fresh seeds as well, and where a candidate is given up at the first run that breaks one.
+    let (tune, said, code) =
+        hits("minimise mean(time_lost); subject to min_ttc >= 0.1 s; stop early").tune("g");
+    assert_eq!(code, 0, "{said}");
+    assert_eq!(tune["fresh_violations"][0]["runs"], 0);
+}
+
+#[test]
+fn no_hit_is_better_than_any() {
+    let (tune, said, code) = hits("minimise mean(impact_speed)").tune("g");
+    assert_eq!(code, 0, "{said}");
+    assert_eq!(objective(&tune["chosen"]), 0.0, "{said}");
+    assert!(tune["evaluations"].as_array().unwrap().iter().any(|one| objective(one) > 1.0), "{said}");
+}
+
+#[test]
+fn a_try_that_leaves_a_parameter_open_is_refused() {
+    let text = "scenario s {
+  road { lane_width 3.5 m; speed_limit 50 km/h; crossing zebra }
+  vehicle av { controller carla_behavior { braking_distance: far }; speed 30 km/h }
+  pedestrian p { model scripted; start 2 m from kerb; appears when time_to_arrival(av) = 5 s }
+  vary far in [6 m, 9 m]
+}
+tune g {
+  on s
+  over av.controller.braking_distance in 1 m .. 30 m, av.controller.safety_time in 1 s .. 4 s
+  minimise mean(time_lost)
+  try { safety_time: 2 s }
+  budget 2 evaluations, by random
+}
+";
+    let output = scenario_runner(Place::new(text).path(), &["tune", "g", "street.scn"]);
+    assert_ne!(code(&output), 0);
+    let said = stderr(&output);
+    assert!(
+        said.contains("leaves a tuned parameter without one value") && said.contains("every parameter"),
+        "{said}"
+    );
+}

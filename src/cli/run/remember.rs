@@ -1,6 +1,6 @@
 //! What failed, for next time: in files beside the suites if that is wished, and in the folder that nobody commits.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::io;
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use clap::Args;
 use serde::{Deserialize, Serialize};
 
 use crate::cli::store;
-use files::Disk;
+use files::{Disk, Files};
 use report::console::stderr;
 use report::{Terminal, count, with_worst};
 use results::judge::{judge, per_run};
@@ -21,7 +21,6 @@ use runner::plan::PlannedTrial;
 use runner::project::PlannedSuite;
 use runner::run::Stop;
 use runner::session::{Units, Work, gate_key};
-use scenario::{Gate, Rating, Suite};
 
 #[derive(Debug, Args)]
 pub struct RememberArguments {
@@ -184,18 +183,29 @@ const LAST_RUN: &str = "last-run.json";
 
 /// What the last sessions left to be run again, with the fingerprints of failing runs.
 #[derive(Debug, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct LastRun {
-    /// Keys of units.
-    pub failed: BTreeSet<String>,
-    /// Failing runs by key and seed.
-    #[serde(default)]
-    pub runs: BTreeMap<String, SeenRun>,
-    /// Of both, where it was written: a changed name would be a failure forgotten.
+    /// Of each suite, by its file: suites in two folders may have one name.
+    suites: BTreeMap<String, SuiteMemory>,
+    /// Of all of it, where it was written: a changed name would be a failure forgotten.
     #[serde(default)]
     crc: Option<String>,
     /// Whether there is something that cannot be understood.
     #[serde(skip)]
     pub is_damaged: bool,
+    /// Files as users named them, and as they are called in `suites`.
+    #[serde(skip)]
+    names: HashMap<String, String>,
+}
+
+/// What is remembered of a suite. Keys are without its name, which is longer where others have the same.
+#[derive(Debug, Default, Serialize, Deserialize)]
+struct SuiteMemory {
+    /// Keys of units.
+    failed: BTreeSet<String>,
+    /// Failing runs by key and seed.
+    #[serde(default)]
+    runs: BTreeMap<String, SeenRun>,
 }
 
 /// A run as the last session saw it, in hexadecimal digits.
@@ -203,6 +213,24 @@ pub struct LastRun {
 pub struct SeenRun {
     pub case: String,
     pub fingerprint: String,
+}
+
+/// A file by one name, however it was named: from here where it is within this folder.
+fn named(file: &str) -> String {
+    let identity = Disk.identity(Path::new(file));
+    let here = std::env::current_dir().ok().and_then(|here| here.canonicalize().ok());
+    let within = here.and_then(|here| identity.strip_prefix(here).ok().map(Path::to_path_buf));
+    within.unwrap_or(identity).to_string_lossy().into_owned()
+}
+
+/// A key without the name of its suite before it.
+fn without_suite<'k>(key: &'k str, suite: &str) -> &'k str {
+    key.strip_prefix(suite).unwrap_or(key)
+}
+
+/// The name of a run: a key alone says nothing about the seed.
+fn run_name(key: &str, seed: u64) -> String {
+    format!("{key} {seed}")
 }
 
 impl LastRun {
@@ -220,58 +248,92 @@ impl LastRun {
     }
 
     fn checksum(&self) -> String {
-        let content = serde_json::to_vec(&(&self.failed, &self.runs)).expect("plain data serialises");
+        let content = serde_json::to_vec(&self.suites).expect("plain data serialises");
         format!("{:08x}", crc32fast::hash(&content))
     }
 
-    /// The name of a run: a key alone says nothing about the seed.
-    pub fn run_name(key: &str, seed: u64) -> String {
-        format!("{key} {seed}")
+    fn memory_of(&mut self, file: &str) -> &mut SuiteMemory {
+        if !self.names.contains_key(file) {
+            let name = named(file);
+            self.suites.entry(name.clone()).or_default();
+            self.names.insert(file.to_string(), name);
+        }
+        self.suites.get_mut(&self.names[file]).expect("it was entered with its name")
+    }
+
+    /// A failing run of a suite, if it is remembered.
+    pub fn seen(&self, suite: &PlannedSuite, key: &str, seed: u64) -> Option<&SeenRun> {
+        let name = run_name(without_suite(key, &suite.suite.key_name()), seed);
+        self.suites.get(&named(&suite.file))?.runs.get(&name)
     }
 
     /// The units that did not pass; where a gate or rating did not, all units of its suite, since it takes all to judge it.
     pub fn failed_units(&self, suites: &[PlannedSuite], units: &Units) -> BTreeSet<String> {
-        let gate_failed = |suite: &Suite| {
-            let name = suite.key_name();
-            let failed = |gate: &Gate| self.failed.contains(&gate_key(&name, gate));
-            let rating = |rating: &Rating| self.failed.contains(&RatingReport::key_of(&name, rating));
-            suite.gates.iter().any(failed) || suite.ratings.iter().any(rating)
+        let known: Vec<_> = suites.iter().map(|one| self.suites.get(&named(&one.file))).collect();
+        let gate_failed = |(suite, known): (&PlannedSuite, &Option<&SuiteMemory>)| {
+            let failed = |key: String| known.is_some_and(|known| known.failed.contains(&key));
+            let mut gates = suite.suite.gates.iter();
+            let mut ratings = suite.suite.ratings.iter();
+            gates.any(|gate| failed(gate_key("", gate)))
+                || ratings.any(|rating| failed(RatingReport::key_of("", rating)))
         };
-        let gates: Vec<bool> = suites.iter().map(|suite| gate_failed(&suite.suite)).collect();
-        let keys = units.keys().enumerate();
-        let failed = keys.filter(|(unit, key)| self.failed.contains(key) || gates[units.suite(*unit)]);
+        let gates: Vec<bool> = suites.iter().zip(&known).map(gate_failed).collect();
+        let names: Vec<String> = suites.iter().map(|one| one.suite.key_name()).collect();
+        let failed = units.keys().enumerate().filter(|(unit, key)| {
+            let suite = units.suite(*unit);
+            let own = without_suite(key, &names[suite]);
+            gates[suite] || known[suite].is_some_and(|known| known.failed.contains(own))
+        });
         failed.map(|(_, key)| key).collect()
     }
 
     /// Takes over what became of a unit: one that passed is forgotten, one that was not asked for stays as it was. What was to be
     /// run and was not, or not to its end, has not passed. `planned` is the trial that it is, if it is one.
     fn learn(&mut self, suite: &SuiteIdentity, report: &UnitReport, planned: impl FnOnce() -> PlannedTrial) {
+        let known = self.memory_of(&suite.file);
         // What was set makes other runs of the same names.
         if suite.set.is_empty() {
             let was_to_be_run = |skip: &Skip| matches!(skip, Skip::Stopped(_) | Skip::Needs { .. });
-            self.learn_standing(report.key(), report.standing());
+            let key = without_suite(report.key(), &suite.suite);
+            known.learn_standing(key, report.standing());
             let is_recorded = matches!(report, UnitReport::Recorded(_));
             if !is_recorded && report.skip().is_some_and(was_to_be_run) {
-                self.failed.insert(report.key().to_string());
+                known.failed.insert(key.to_string());
             }
         }
         if let UnitReport::Trial(trial) = report
             && !trial.skipped()
         {
-            self.learn_runs(planned, trial);
+            known.learn_runs(&suite.suite, planned, trial);
         }
     }
 
     /// As [`Self::learn`], what became of gates and ratings.
     pub fn learn_gates(&mut self, reports: &[SuiteReport]) {
-        for gate in reports.iter().filter(|one| one.identity.set.is_empty()).flat_map(|one| &one.gates) {
-            self.learn_standing(&gate.key, gate.standing());
-        }
-        for rating in reports.iter().filter(|one| one.identity.set.is_empty()).flat_map(|one| &one.ratings) {
-            self.learn_standing(&rating.key, rating.standing());
+        for report in reports.iter().filter(|one| one.identity.set.is_empty()) {
+            let SuiteIdentity { suite, file, .. } = &report.identity;
+            let known = self.memory_of(file);
+            let gates = report.gates.iter().map(|gate| (&gate.key, gate.standing()));
+            let ratings = report.ratings.iter().map(|rating| (&rating.key, rating.standing()));
+            for (key, standing) in gates.chain(ratings) {
+                known.learn_standing(without_suite(key, suite), standing);
+            }
         }
     }
 
+    /// Writes it, if there is or was anything to remember.
+    pub fn write(&mut self) -> io::Result<()> {
+        self.suites.retain(|_, known| !known.failed.is_empty() || !known.runs.is_empty());
+        self.names.clear();
+        if self.suites.is_empty() {
+            return store::remove(LAST_RUN);
+        }
+        self.crc = Some(self.checksum());
+        store::write(LAST_RUN, &(serde_json::to_string_pretty(self).expect("plain data serialises") + "\n"))
+    }
+}
+
+impl SuiteMemory {
     fn learn_standing(&mut self, key: &str, standing: Standing) {
         match standing {
             Standing::Skipped => {}
@@ -284,7 +346,7 @@ impl LastRun {
         }
     }
 
-    fn learn_runs(&mut self, planned: impl FnOnce() -> PlannedTrial, trial: &TrialReport) {
+    fn learn_runs(&mut self, suite: &str, planned: impl FnOnce() -> PlannedTrial, trial: &TrialReport) {
         let worst: BTreeSet<&str> = match &trial.state {
             TrialState::Judged(judged) => {
                 let bad = judged.findings.iter().filter(|finding| finding.verdict != Verdict::Passed);
@@ -297,7 +359,7 @@ impl LastRun {
         }
         let planned = planned();
         for (index, outcome) in trial.outcomes.iter().enumerate() {
-            let name = Self::run_name(&outcome.key, outcome.seed);
+            let name = run_name(without_suite(&outcome.key, suite), outcome.seed);
             if worst.contains(outcome.key.as_str()) {
                 let hexadecimal = |number: u64| format!("{number:016x}");
                 let case = hexadecimal(case_hash(&planned.cases.get(index)));
@@ -307,14 +369,5 @@ impl LastRun {
                 self.runs.remove(&name);
             }
         }
-    }
-
-    /// Writes it, if there is or was anything to remember.
-    pub fn write(&mut self) -> io::Result<()> {
-        if self.failed.is_empty() && self.runs.is_empty() {
-            return store::remove(LAST_RUN);
-        }
-        self.crc = Some(self.checksum());
-        store::write(LAST_RUN, &(serde_json::to_string_pretty(self).expect("plain data serialises") + "\n"))
     }
 }

@@ -33,7 +33,7 @@ impl TriedSeeds {
     pub fn earlier(&self, suites: &[PlannedSuite]) -> Vec<Vec<TriedSeed>> {
         let of = |suite: &PlannedSuite| {
             let now = TriedSeed { seed: suite.plan.seed, passed: true };
-            self.0.earlier(&name(&suite.file, &suite.suite.key_name(), &suite.suite.set), &now)
+            self.0.earlier(&name(&suite.file, &suite.suite.name, &suite.suite.set), &now)
         };
         suites.iter().map(of).collect()
     }
@@ -54,6 +54,8 @@ impl TriedSeeds {
                 true if report.interrupted || standings().any(|one| one == Standing::Skipped) => continue,
                 passed => passed,
             };
+            // The file tells suites of one name apart.
+            let suite = suite.rsplit('/').next().unwrap_or(suite);
             self.0.learn(name(file, suite, set), TriedSeed { seed: *seed, passed });
         }
     }

@@ -159,19 +159,36 @@ fn single(
     Some(Found { draw, columns: vec![NamedColumn { name, span, kind, notation, values }] })
 }
 
-/// Of a file of which one column is drawn the others are let off; one that is nearly called as weights are is taken for them.
+/// Of a file of which one column is drawn the others are let off, but for one that can only be meant as the column of weights.
 fn refuse_near_weight(span: Span, table: &ReadTable, drawn: &str, report: &mut Vec<Diagnostic>) {
     let others = || table.header.iter().map(String::as_str).filter(|name| *name != drawn);
     if others().any(|name| name == WEIGHT) {
         return;
     }
-    if let Some(near) = others().find(|name| nearest(name, [WEIGHT]).is_some()) {
+    // No farther: `height` is another thing.
+    let is_meant = |name: &&str| {
+        let name = name.to_lowercase();
+        name.trim_end_matches('s') == WEIGHT
+            || strsim::damerau_levenshtein(&name, WEIGHT) == 1 && name.len() != WEIGHT.len()
+            || is_swapped(&name)
+    };
+    if let Some(near) = others().find(is_meant) {
         report.push(
             Diagnostic::new(Code::BadDraw, span, format!("the column `{near}` gives no row a weight"))
                 .label("all rows would be equally likely")
                 .hint(format!("did you mean `{WEIGHT}`? Weights stand in a column of that name")),
         );
     }
+}
+
+/// Whether two letters of the column of weights have changed places.
+fn is_swapped(name: &str) -> bool {
+    let sorted = |text: &str| {
+        let mut letters: Vec<char> = text.chars().collect();
+        letters.sort_unstable();
+        letters
+    };
+    sorted(name) == sorted(WEIGHT) && strsim::damerau_levenshtein(name, WEIGHT) <= 1
 }
 
 /// `draw together from "exposure.csv"`, perhaps `without id, date`

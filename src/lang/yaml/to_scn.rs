@@ -388,6 +388,13 @@ impl Writer<'_> {
             [(file, path), (without, names)]
                 if file.scalar() == Some("file") && without.scalar() == Some("without") =>
             {
+                if matches!(&names.value, Content::List(names) if names.is_empty()) {
+                    self.wrong(
+                        names,
+                        "no column is left out",
+                        "name one, or write the file alone: `exposure.csv`",
+                    );
+                }
                 self.quoted(path);
                 self.text.push_str(" without ");
                 self.separated(names);

@@ -205,8 +205,8 @@ impl CarefulHuman {
     /// What is left (m) of the gap to the vehicle ahead if that brakes now as hard as the driver can, and the driver reacts to it.
     fn room_behind(&self, ahead: &VehicleAhead, speed: f64) -> f64 {
         let own = self.stopping_distance(speed);
-        let others = ahead.speed.max(0.0);
-        let others = self.stopping_distance(others) - others * (self.risk_evaluation + self.reaction_delay);
+        // At once: it may be braking already.
+        let others = ahead.speed.max(0.0).powi(2) / (2.0 * self.deceleration);
         ahead.gap - self.standstill_gap - own + others
     }
 

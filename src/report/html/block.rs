@@ -14,6 +14,8 @@ pub struct BlockSection {
     name: String,
     doc: String,
     state: &'static str,
+    /// Of the page's style.
+    class: &'static str,
     mark: &'static str,
     /// What it came to, in a line.
     summary: String,
@@ -52,6 +54,7 @@ impl BlockSection {
             name: block.block.name().to_string(),
             doc: block.block.doc().unwrap_or_default().to_string(),
             state,
+            class: if state == FOUND { "quiet" } else { state },
             mark,
             summary: String::new(),
             seconds: format!("{:.2}", block.wall_time.as_secs_f64()),

@@ -9,8 +9,8 @@ use crate::chart::{
     self, Along, Convergence, Convergences, CourseLine, Dot, First, IndividualsChart, LegendEntry, Look,
     PointMark, Slice, Strip, Strips, Tried, first_legend, with_room,
 };
-use crate::found::left_out_words;
-use crate::found::said;
+use crate::format::capitalised;
+use crate::found::{left_out_words, said};
 use crate::usual::tail_text;
 use crate::wording::{keep_text, verdict_mark};
 use numbers::summary::mean;
@@ -49,7 +49,7 @@ pub struct SearchSection {
 /// Runs that a search judges, those that did not pass first.
 #[derive(Debug, Serialize)]
 struct Judged {
-    heading: &'static str,
+    heading: String,
     runs: Vec<JudgedRow>,
     more: usize,
 }
@@ -75,9 +75,9 @@ impl Judged {
         };
         Self {
             heading: match (runs.is_empty(), judged.of_kept) {
-                (true, _) => "Nothing that was found is usual enough to be judged.",
-                (_, true) => "Expected of every run that was kept:",
-                (_, false) => "Nothing was kept. Expected of the best observed runs:",
+                (true, _) => format!("{}.", capitalised(judged.nothing())),
+                (_, true) => "Expected of every run that was kept:".to_string(),
+                (_, false) => "Nothing was kept. Expected of the best observed runs:".to_string(),
             },
             runs: runs.iter().take(MOST_JUDGED).map(row).collect(),
             more: runs.len().saturating_sub(MOST_JUDGED),

@@ -2,12 +2,13 @@
 
 use super::error::{ResultsError, contradiction};
 use crate::wording::verdict_word;
-use results::judge::{Watch, judge_rating};
+use results::judge::{Watch, judge, judge_rating};
 use results::{
-    BlockResult, ClaimValues, Conclusion, EstimateResult, Finding, GateReport, GateState, RecordedReport,
-    RecordedState, Requests, Results, StatementResult, SuiteReport, TrialReport, TrialState, Verdict,
+    BlockResult, Candidate, ClaimValues, Conclusion, EstimateResult, Finding, GateReport, GateState,
+    RecordedReport, RecordedState, Requests, Results, SearchResult, StatementResult, SuiteReport,
+    TrialReport, TrialState, TuneResult, Verdict, Violations,
 };
-use scenario::DeclaredStanding;
+use scenario::{Block, DeclaredStanding};
 
 /// The same results, if each verdict follows from its parts.
 ///
@@ -26,10 +27,9 @@ fn of_suite(suite: &SuiteReport, requests: &Requests) -> Result<(), ResultsError
         let wrong = match result {
             BlockResult::Statement(statement) => wrong_statement(statement),
             BlockResult::Estimate(estimate) => wrong_estimate(estimate),
-            BlockResult::Search(_)
-            | BlockResult::Tune(_)
-            | BlockResult::Evaluate(_)
-            | BlockResult::Calibrate(_) => None,
+            BlockResult::Search(search) => wrong_search(&block.block, search, requests),
+            BlockResult::Tune(tune) => wrong_tune(tune),
+            BlockResult::Evaluate(_) | BlockResult::Calibrate(_) => None,
         };
         if let Some(what) = wrong {
             return Err(contradiction(&block.key, what));
@@ -98,6 +98,62 @@ fn wrong_statement(statement: &StatementResult) -> Option<String> {
         (_, Conclusion::Untested) => !any(Some(false)) && !any(None) && untested,
     };
     (!follows).then(|| "its conclusion does not follow from its claims".to_string())
+}
+
+/// What in a search does not follow from the runs that it found.
+fn wrong_search(declared: &Block, search: &SearchResult, requests: &Requests) -> Option<String> {
+    let Block::Search(declared) = declared else { return Some("it is of another block".to_string()) };
+    let of_kept = search.found.iter().any(|found| found.kept.contains(&true));
+    let Some(judged) = &search.judged else {
+        let is_missing = !declared.expect.is_empty();
+        return is_missing.then(|| "it expects something, and no run is judged".to_string());
+    };
+    if declared.expect.is_empty() || judged.of_kept != of_kept {
+        return Some("which runs are judged does not follow from what it expects and keeps".to_string());
+    }
+    let each = search.found.iter().enumerate().flat_map(|(index, found)| {
+        let runs = found.runs.iter().zip(&found.kept).filter(|(_, kept)| **kept || !of_kept);
+        runs.map(move |(run, _)| (index, run))
+    });
+    let found: Vec<_> = each.collect();
+    if found.len() != judged.runs.len() {
+        return Some("not all of its runs are judged".to_string());
+    }
+    let differs = found.iter().zip(&judged.runs).find(|((index, run), judged)| {
+        let again = judge(&declared.expect, std::slice::from_ref(&run.outcome), requests);
+        judged.found != *index
+            || !judged.key.starts_with(&run.case.key)
+            || judged.fresh_holding > judged.fresh_runs
+            || judged.findings != again.findings
+    });
+    differs.map(|(_, judged)| format!("what it says of `{}` does not follow from that run", judged.key))
+}
+
+/// What in a tune does not follow from its candidates.
+fn wrong_tune(tune: &TuneResult) -> Option<String> {
+    let follows = |one: &Candidate| {
+        let is_broken = one.margins.iter().flatten().any(|margin| *margin < 0.0);
+        one.margins.len() == tune.constraints.len()
+            && !(one.keeps_constraints && is_broken)
+            && one.feasible == (one.keeps_constraints && !one.objectives.contains(&None))
+    };
+    if !tune.evaluations.iter().all(follows) {
+        return Some(
+            "whether a candidate is feasible does not follow from its values and margins".to_string(),
+        );
+    }
+    let answers: Vec<_> = tune.chosen.iter().chain(&tune.pareto).collect();
+    if !answers.iter().all(|one| tune.evaluations.contains(one)) {
+        return Some("what is chosen is no candidate of it".to_string());
+    }
+    let is_declared_broken = tune.violations.is_some_and(|violations| violations.runs > 0);
+    if !is_declared_broken && answers.iter().any(|one| !one.feasible) {
+        return Some("what is chosen is not feasible".to_string());
+    }
+    let looked_at = if tune.constraints.is_empty() { 0 } else { answers.len() };
+    let is_whole = |one: &Violations| one.of > 0 && one.runs <= one.of;
+    let is_judged = tune.fresh_violations.len() == looked_at && tune.fresh_violations.iter().all(is_whole);
+    (!is_judged).then(|| "what is chosen is not judged with fresh seeds".to_string())
 }
 
 /// What in an estimate does not follow from its numbers.

@@ -10,8 +10,8 @@ use super::seen::{Evidence, Seen};
 use super::untested;
 use crate::{Finding, FindingMeasure, Horizon, Outcome, Regarding, Requests, TrialVerdict, Verdict};
 use scenario::{
-    Aggregate, AggregateBounds, AggregateResponse, Claim, Comparison, Criterion, Individual, MetricReference,
-    People, Relation, WhenUndefined, constant,
+    Absence, Aggregate, AggregateBounds, AggregateResponse, Claim, Comparison, Criterion, Individual, Metric,
+    MetricReference, People, Relation, WhenUndefined, Worst, constant,
 };
 
 /// Judges one trial. `requests` says which metric is where in the outcomes.
@@ -247,7 +247,7 @@ pub fn aggregate(aggregate: &Aggregate, outcomes: &[Outcome], requests: &Request
 
 /// What every run counts as for a claim that an aggregate of a metric's values is in `relation` to a bound, one per run; `None`
 /// for a run that is left out.
-pub fn counted(
+fn counted(
     metric: &MetricReference,
     relation: Relation,
     outcomes: &[Outcome],
@@ -265,6 +265,39 @@ pub fn aggregate_against(
     outcomes: &[Outcome],
     requests: &Requests,
 ) -> Option<f64> {
+    aggregate_of_counted(wanted, relation, outcomes, requests, || {
+        counted(wanted.metric(), relation, outcomes, requests)
+    })
+}
+
+/// As [`aggregate_against`], of an objective: what is best where it does not exist, and else the worse the larger it is, such as the speed of
+/// an impact, counts as 0 where it is to be small. With what every run counts as.
+pub fn objective_against(
+    wanted: &Aggregate,
+    relation: Relation,
+    outcomes: &[Outcome],
+    requests: &Requests,
+) -> (Option<f64>, Vec<Option<f64>>) {
+    let mut counted = counted(wanted.metric(), relation, outcomes, requests);
+    if bounded_above(relation) && wanted.metric().known().is_some_and(counts_as_none) {
+        counted.iter_mut().for_each(|one| *one = one.or(Some(0.0)));
+    }
+    let value = aggregate_of_counted(wanted, relation, outcomes, requests, || counted.clone());
+    (value, counted)
+}
+
+/// Whether a metric that does not exist in a run is as good as 0.
+pub(super) fn counts_as_none(metric: &Metric) -> bool {
+    metric.absence == Absence::Good && metric.worst == Worst::Largest
+}
+
+fn aggregate_of_counted(
+    wanted: &Aggregate,
+    relation: Relation,
+    outcomes: &[Outcome],
+    requests: &Requests,
+    counted: impl FnOnce() -> Vec<Option<f64>>,
+) -> Option<f64> {
     let evidence = Evidence { outcomes, requests, bounds: Bounds::Fixed };
     let holds = |comparison| holding(comparison, bounded_above(relation), &evidence).count as f64;
     let value = match wanted {
@@ -277,10 +310,7 @@ pub fn aggregate_against(
         {
             None
         }
-        of_values => {
-            let counted = counted(of_values.metric(), relation, outcomes, requests);
-            aggregate_of(of_values, counted.into_iter().flatten().collect())
-        }
+        of_values => aggregate_of(of_values, counted().into_iter().flatten().collect()),
     };
     value.filter(|value| value.is_finite())
 }

@@ -21,7 +21,7 @@ mod stopping;
 mod untested;
 
 pub use confidence::{Bounds, decide};
-pub use criteria::{aggregate, aggregate_against, counted, judge, undecided};
+pub use criteria::{aggregate, aggregate_against, judge, objective_against, undecided};
 pub use horizon::cut_off_runs;
 pub use nearest::RunStanding;
 pub use neighbour::nearest_passing;

@@ -3,13 +3,14 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use super::criteria::counts_as_none;
 use super::untested::untested_by;
 use crate::{
     CellWorth, EarnedPoints, NotRated, Outcome, PointsFinding, RatedCell, RatingReport, RatingResult,
     RatingState, Requests, Skip, TrialReport, TrialState, Untested, Verdict, is_value,
 };
 use scenario::{
-    Absence, MetricReference, Rating, Scope, Trial, Value, VariationCondition, Weights, Worst, significant,
+    MetricReference, Rating, Scope, Trial, Value, VariationCondition, Weights, Worst, significant,
 };
 use sim::StopReason;
 use sim::measure::Closeness;
@@ -223,9 +224,7 @@ fn run<'o>(
     if value.is_some() {
         return Ok(Run { key, value, absent: false });
     }
-    let counts_as_none = metric
-        .is_some_and(|metric| metric.absence == Absence::Good && metric.worst == Worst::Largest)
-        && weights.weight(None).is_none();
+    let counts_as_none = metric.is_some_and(counts_as_none) && weights.weight(None).is_none();
     Ok(Run { key, value: counts_as_none.then_some(0.0), absent: counts_as_none })
 }
 

@@ -30,7 +30,7 @@ pub struct Context<'a> {
     /// What to tell whoever runs it, such as that the end of a journal was cut off.
     pub notices: Mutex<Vec<String>>,
     /// Worked out when it is first asked for.
-    pub(super) program: OnceLock<String>,
+    pub(super) program: OnceLock<Result<String, String>>,
 }
 
 impl<'a> Context<'a> {
@@ -73,12 +73,10 @@ impl<'a> Context<'a> {
         notices.extend(notice.map(str::to_string));
     }
 
-    /// Which program makes the runs: its own bytes decide, or its version where they cannot be read.
-    pub(super) fn program(&self) -> &str {
-        self.program.get_or_init(|| match Build::here() {
-            Ok(build) => build.identity(),
-            Err(_) => env!("CARGO_PKG_VERSION").to_string(),
-        })
+    /// Which program makes the runs: its own bytes decide. An error if they cannot be read.
+    pub(super) fn program(&self) -> Result<&str, &str> {
+        let identity = || Build::here().map(|build| build.identity()).map_err(|error| error.to_string());
+        self.program.get_or_init(identity).as_deref().map_err(String::as_str)
     }
 
     /// What is measured in every run, in the order of the outcomes' metrics.

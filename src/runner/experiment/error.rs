@@ -70,6 +70,9 @@ pub enum ExperimentError {
         /// Why.
         error: Box<RunError>,
     },
+    /// With what `try` sets, a tuned parameter still has no value, or not the same one in all cases.
+    #[error("`try` of {0} leaves a tuned parameter without one value for all cases")]
+    PartialTry(String),
     /// The optimiser refuses what it was asked, or its journal.
     #[error(transparent)]
     Optimise(#[from] optimise::Error),
@@ -110,6 +113,7 @@ impl ExperimentError {
             }
             Self::TooFewCases(name, ..) => Some(format!("draw fewer, or let `{name}` vary or repeat more")),
             Self::Run { error, .. } => error.hint().map(str::to_string),
+            Self::PartialTry(_) => Some("set every parameter of `over` in it".to_string()),
             Self::Plan(error) => error.hint.clone(),
             Self::Calibration { hint, .. } => hint.clone(),
             _ => None,

@@ -22,7 +22,15 @@ impl Record {
         batch: usize,
     ) -> Result<Self, Error> {
         let Some(folder) = &context.journals else { return Ok(Self { journal: None }) };
-        let decisive = (inputs, definition.without_budget(), context.program());
+        let program = match context.program() {
+            Ok(program) => program,
+            Err(error) => {
+                context
+                    .tell(Some(&format!("no journal is kept, since this program cannot be read: {error}")));
+                return Ok(Self { journal: None });
+            }
+        };
+        let decisive = (inputs, definition.without_budget(), program);
         let (path, _) = journal_file(folder, name, &decisive)?;
         Ok(Self { journal: Some(Journal::open(&path, definition, batch)?) })
     }
@@ -35,9 +43,6 @@ impl Record {
     pub fn notice(&self) -> Option<&str> {
         self.journal.as_ref()?.notice()
     }
-
-    /// The run is over and its result is in the caller's hands; a larger budget may go on from it.
-    pub fn keep(self) {}
 
     /// The run is over and its result is in the caller's hands.
     pub fn remove(self) {

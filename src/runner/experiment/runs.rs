@@ -7,7 +7,8 @@ use super::context::Context;
 use super::error::ExperimentError;
 use crate::run::{BatchError, MeasuredMetrics, RunBatch};
 use numbers::summary::{mean, variance_of_mean};
-use results::judge::{Seen, aggregate_against, counted, holds_undefined};
+use optimise::Margin;
+use results::judge::{Seen, holds_undefined, objective_against};
 use results::{CaseRun, MetricSummary, Outcome, SavedCase};
 use scenario::{Aggregate, Case, Comparison, Goal, MetricKind, MetricReference, Relation, ShownIn};
 
@@ -84,10 +85,9 @@ impl Context<'_> {
             Goal::Minimise => Relation::LessOrEqual,
             Goal::Maximise => Relation::GreaterOrEqual,
         };
-        let value = aggregate_against(objective, relation, outcomes, self.requests());
+        let (value, counted) = objective_against(objective, relation, outcomes, self.requests());
         let variance = match objective {
-            Aggregate::Mean(metric) if value.is_some() => {
-                let counted = counted(metric, relation, outcomes, self.requests());
+            Aggregate::Mean(_) if value.is_some() => {
                 variance_of_mean(&counted.into_iter().flatten().collect::<Vec<_>>())
             }
             _ => None,
@@ -95,8 +95,18 @@ impl Context<'_> {
         (value, variance)
     }
 
-    /// How far every run is from violating a constraint; `None` where that cannot be said, which counts as violated.
-    pub(super) fn margin(&self, constraint: &Comparison, outcomes: &[Outcome]) -> Option<f64> {
+    /// How far every run is from violating a constraint; without a value where that cannot be said, which counts as violated, unless the
+    /// constraint holds in each of them by what it bounds not being there.
+    pub(super) fn margin(&self, constraint: &Comparison, outcomes: &[Outcome]) -> Margin {
+        self.worst_margin(constraint, outcomes).map_or(Margin::of(None), |worst| match worst.is_finite() {
+            true => Margin::of(Some(worst)),
+            false if outcomes.is_empty() => Margin::of(None),
+            false => Margin::kept(),
+        })
+    }
+
+    /// The least margin of the runs that have one, infinite where the constraint holds in all others; `None` where it does not.
+    fn worst_margin(&self, constraint: &Comparison, outcomes: &[Outcome]) -> Option<f64> {
         let (relation, bound) = (constraint.relation, constraint.constant_bound());
         let mut worst = f64::INFINITY;
         for seen in self.seen(&constraint.metric, outcomes) {
@@ -117,7 +127,7 @@ impl Context<'_> {
             };
             worst = worst.min(margin);
         }
-        (worst < f64::INFINITY).then_some(worst)
+        Some(worst)
     }
 
     /// Every quantity and flag over the outcomes, for tables. Categories have no mean.

@@ -239,8 +239,7 @@ impl EvaluateRound for Groups<'_> {
 
     fn evaluated(&self, evaluation: &Evaluation) {
         let done = self.under.done.fetch_add(1, Ordering::Relaxed) + 1;
-        let is_looked_for =
-            evaluation.margins.iter().all(|margin| margin.value.is_some_and(|one| one >= 0.0));
+        let is_looked_for = evaluation.keeps_constraints();
         let value = evaluation.objectives[0].value.filter(|_| is_looked_for);
         self.under.progress.evaluated(done, self.under.all, value);
     }
@@ -256,7 +255,7 @@ impl Under<'_> {
         let goals = vec![self.search.objective.direction];
         let constraints = self.bounds().count();
         let definition = definition(space, &self.search.budget, goals, constraints, seed);
-        let inputs = (suite.seed, &name, &self.searched.scenario, self.decisive(), group);
+        let inputs = (suite.seed, suite.own_key(&name), &self.searched.scenario, self.decisive(), group);
         Optimisation::begin(self.context, &name, &inputs, definition, self.search.budget.batch as usize)
     }
 
@@ -427,7 +426,7 @@ impl Under<'_> {
                 Relation::Less | Relation::LessOrEqual => -factor(share),
                 _ => factor(share),
             });
-            Margin { value, censored: false }
+            Margin::of(value)
         };
         self.bounds().map(margin).collect()
     }

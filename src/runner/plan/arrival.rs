@@ -1,4 +1,4 @@
-//! Nobody waits for a time to arrival that is past before the run begins: they would appear at once, at another one than is written.
+//! A time to arrival must not be past when the run begins: the pedestrian would appear at once, at another time than the file says.
 
 use rayon::prelude::*;
 
@@ -21,8 +21,9 @@ const MOST_COUNTED: usize = 100_000;
 /// The first that is past.
 pub fn check_arrivals(scenario: &Scenario, world: &World) -> Result<(), PlanError> {
     let Some(past) = first_past(scenario, world) else { return Ok(()) };
-    let (message, hint) = past_arrival_words(world, &past, written(scenario, world, &past).1);
-    Err(PlanError::new(written(scenario, world, &past).0, message).with_hint(hint))
+    let (origin, unit) = written(scenario, world, &past);
+    let (message, hint) = past_arrival_words(world, &past, unit);
+    Err(PlanError::new(origin, message).with_hint(hint))
 }
 
 /// What is wrong with a pedestrian's time to arrival, and what to do about it.
@@ -57,7 +58,7 @@ fn first_past(scenario: &Scenario, world: &World) -> Option<PastArrival> {
     past_arrival(world, &beginning(world), ROUNDING)
 }
 
-/// Whether somebody waits for the time to arrival of a vehicle whose start is said.
+/// Whether a pedestrian waits for the time to arrival of a vehicle whose start is said.
 fn may_be_past(scenario: &Scenario) -> bool {
     let says_start = |name: &String| {
         let mut vehicles = scenario.vehicles.iter().filter(|car| car.name == *name);

@@ -5,7 +5,7 @@ use std::path::{Component, Path};
 
 /// Of suites, each given by its file and name, what stands before the name in keys: nothing where no other has it, and else the shortest end
 /// of the path that tells them apart, with a slash.
-pub fn apart(suites: &[(&str, &str)]) -> Vec<String> {
+pub fn key_prefixes(suites: &[(&str, &str)]) -> Vec<String> {
     let mut of_name: HashMap<&str, Vec<usize>> = HashMap::new();
     for (index, (_, name)) in suites.iter().enumerate() {
         of_name.entry(name).or_default().push(index);
@@ -76,7 +76,7 @@ mod tests {
     use super::*;
 
     fn prefixes(suites: &[(&str, &str)]) -> Vec<String> {
-        apart(suites)
+        key_prefixes(suites)
     }
 
     #[test]

@@ -11,6 +11,7 @@ use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+pub use apart::key_prefixes;
 pub use claims::examine_claims;
 pub use examine::{examine, examine_edited};
 pub use notice::{Notice, NoticeLevel, Problems};
@@ -100,7 +101,7 @@ impl Project {
 /// The same suites, of which no two have one name in their keys.
 fn told_apart(mut suites: Vec<PlannedSuite>) -> Result<Vec<PlannedSuite>, Vec<PlanError>> {
     let names: Vec<_> = suites.iter().map(|one| (one.file.as_str(), one.suite.name.as_str())).collect();
-    let prefixes = apart::apart(&names);
+    let prefixes = key_prefixes(&names);
     for (suite, apart) in suites.iter_mut().zip(prefixes) {
         if !apart.is_empty() {
             suite.suite.apart = apart;

@@ -46,6 +46,8 @@ pub enum RunError {
         message: String,
         /// What to write instead.
         hint: String,
+        /// Whether the run had begun.
+        begun: bool,
     },
     /// A controller cannot decide at some moment of the run.
     #[error("`{who}` cannot decide {}: {error}", moment(*time, *free_flow))]
@@ -118,7 +120,7 @@ impl RunError {
 
     /// Whether the run had begun, so that it can be seen again; else no run of the case begins.
     pub fn had_begun(&self) -> bool {
-        matches!(self, Self::Controller { .. } | Self::NoEncounter { .. })
+        matches!(self, Self::Controller { .. } | Self::NoEncounter { begun: true, .. })
     }
 
     /// What kept a run of `world` from its end.
@@ -130,10 +132,11 @@ impl RunError {
             Fault::Occupied { pedestrian, by, time } => Self::NoEncounter {
                 message: occupied(world, pedestrian, by, time),
                 hint: "let it appear at another place or time: `start`, `along`, `appears`".to_string(),
+                begun: true,
             },
             Fault::PastArrival(past) => {
                 let (message, hint) = past_arrival_words(world, &past, None);
-                Self::NoEncounter { message, hint }
+                Self::NoEncounter { message, hint, begun: false }
             }
         }
     }

@@ -265,6 +265,7 @@ mod tests {
             JobFailure::Error(RunError::NoEncounter {
                 message: "at 10 s `b` appears inside `a`".into(),
                 hint: "elsewhere".into(),
+                begun: true,
             }),
             JobFailure::Panicked(Panicked {
                 case: Some("a/b".into()),

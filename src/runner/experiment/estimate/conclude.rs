@@ -89,6 +89,7 @@ pub fn conclude(
         undecided: told.undecided,
         cut_off: told.cut_off,
         encounters: told.met,
+        left_out: told.left_out_of_counted(),
         effective_size: estimate.effective_size,
         largest_share: estimate.largest_share,
         contradiction: estimate.contradiction,
@@ -133,8 +134,8 @@ fn warnings(
     }
     if !told.left_out.is_empty() {
         warnings.push(format!(
-            "{} of {} encounters are left out, since there are none such: somebody appears inside another body, or would have to appear before \
-             the run begins; the probability is of the others",
+            "{} of {} encounters are left out, since they cannot be: a pedestrian appears inside another body, or would have to appear before \
+             the run begins; the probability is of the others, and the interval leaves out how well their share is known",
             told.left_out.len(),
             told.encounters()
         ));
@@ -145,7 +146,7 @@ fn warnings(
             told.undecided, block.event_text
         ));
     }
-    let counted = told.encounters() - told.pilot;
+    let counted = told.counted();
     let cut_off = |runs: usize, scenario: &str| {
         format!(
             "{runs} of {counted} runs of `{scenario}` ended before the end of what `{}` is about was seen; they count as if it were not so",

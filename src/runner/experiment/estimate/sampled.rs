@@ -62,6 +62,16 @@ impl Told {
     pub fn encounters(&self) -> usize {
         self.events.len()
     }
+
+    /// Those of them that do more than show where to look, and are left out.
+    pub fn left_out_of_counted(&self) -> usize {
+        self.left_out.iter().filter(|number| **number >= self.pilot).count()
+    }
+
+    /// Those that do more than show where to look, and are not left out.
+    pub fn counted(&self) -> usize {
+        self.encounters() - self.pilot - self.left_out_of_counted()
+    }
 }
 
 /// All runs of an estimate.
@@ -106,20 +116,22 @@ impl Sampled<'_> {
     /// Why nothing that is claimed is shown, whatever the numbers are: most runs of a scenario (0: the estimate's own, 1: the other) were
     /// not seen to their end, of those that count or of those that are drawn as they are. A method makes most where the event is.
     pub fn nothing_seen(&self, which: usize, scenario: &str) -> Option<String> {
+        if let Some(why) = self.mostly_left_out() {
+            return Some(why);
+        }
         let told = self.told;
         let counted = told.pilot..told.encounters();
         let nominal =
             self.method.replicates().iter().map(|one| one.first..one.first + one.nominal_runs as usize);
         let share = |runs: &mut dyn Iterator<Item = usize>| {
-            runs.fold((0, 0), |(cut_off, of), run| (cut_off + usize::from(told.not_seen[run][which]), of + 1))
+            let there_are = runs.filter(|run| told.left_out.binary_search(run).is_err());
+            there_are
+                .fold((0, 0), |(cut_off, of), run| (cut_off + usize::from(told.not_seen[run][which]), of + 1))
         };
         let kinds = [
             ("", share(&mut counted.into_iter())),
             (" that are drawn as they are", share(&mut nominal.flatten())),
         ];
-        if let Some(why) = self.mostly_left_out() {
-            return Some(why);
-        }
         let most = kinds.into_iter().find(|(_, (cut_off, of))| *cut_off as f64 > MOST_CUT_OFF * *of as f64);
         most.map(|(kind, (cut_off, of))| {
             format!(
@@ -131,7 +143,7 @@ impl Sampled<'_> {
     /// Why nothing that is claimed is shown: in no run of a scenario (as in [`Self::nothing_seen`]) was anything at stake.
     pub fn nothing_met(&self, which: usize, scenario: &str) -> Option<String> {
         let met = if which == 0 { self.told.met } else { self.told.met_others };
-        let counted = self.told.encounters() - self.told.pilot;
+        let counted = self.told.counted();
         (met == 0).then(|| {
             format!("none of {counted} runs of `{scenario}` had an encounter: nothing that the event is about was at stake")
         })

@@ -198,7 +198,7 @@ fn a_strict_constraint_is_violated_at_its_bound() {
     let case = context.revive(&cases[0], &[], "key".into(), None).unwrap();
     let outcomes = context.run_all(0, &[case]).unwrap();
     // Nobody is hit, so that `collision` is 0.
-    let margin = |relation| context.margin(&condition("collision", relation, 0.0), &outcomes).unwrap();
+    let margin = |relation| context.margin(&condition("collision", relation, 0.0), &outcomes).value.unwrap();
     assert!(margin(Relation::Less) < 0.0 && margin(Relation::Greater) < 0.0);
     assert!(margin(Relation::LessOrEqual) >= 0.0 && margin(Relation::Equal) > 0.0);
 }

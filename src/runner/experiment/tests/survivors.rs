@@ -79,7 +79,7 @@ fn a_constraint_holds_only_however_a_run_would_have_gone_on() {
     let suite = suite();
     let context = Context::new(&suite, threads(), &standard());
     let margin = |name, relation, bound, came: &[Came]| {
-        context.margin(&condition(name, relation, bound), &outcomes(&context, came))
+        context.margin(&condition(name, relation, bound), &outcomes(&context, came)).value
     };
     let lost = |bound, came: &[Came]| margin("time_lost", Relation::LessOrEqual, bound, came);
     assert_eq!(lost(5.0, &[To(2.0), To(4.0)]), Some(1.0));

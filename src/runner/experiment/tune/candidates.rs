@@ -35,6 +35,7 @@ impl Evaluated {
             point: self.point.clone(),
             objectives: self.evaluation.objectives.iter().map(|one| one.value).collect(),
             margins: self.evaluation.margins.iter().map(|one| one.value).collect(),
+            keeps_constraints: self.evaluation.keeps_constraints(),
             feasible: self.evaluation.is_feasible(),
         }
     }
@@ -45,7 +46,7 @@ impl Evaluated {
 }
 
 impl TuneUnderWay<'_> {
-    /// Evaluates what the scenarios declare, and then what the user would like to be tried.
+    /// Evaluates what the scenarios declare, and then the candidates of `try`.
     pub fn evaluate_first(&self) -> Result<Vec<FirstCandidate>, ExperimentError> {
         let declared = std::iter::once((CandidateOrigin::Declared, Vec::new()));
         let tried = self.tune.tries.iter().map(|settings| (CandidateOrigin::Tried, settings.clone()));
@@ -59,6 +60,9 @@ impl TuneUnderWay<'_> {
             let evaluation = self.evaluation_of(&outcomes, false);
             self.note(&evaluation);
             let point = self.point(&cases)?;
+            if point.is_none() && origin == CandidateOrigin::Tried {
+                return Err(ExperimentError::PartialTry(self.tried_in_words(&settings)));
+            }
             all.push(FirstCandidate { origin, point, settings, evaluation });
         }
         Ok(all)

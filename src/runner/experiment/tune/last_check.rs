@@ -126,15 +126,19 @@ impl TuneUnderWay<'_> {
             seen: self.to_minimise(&finalist.seen),
             fresh: self.to_minimise(&finalist.fresh),
         };
-        WorseBy::of(of(one), of(other), self.error_of_difference(one, other))
+        let differences = self.differences(one, other);
+        let known: Vec<f64> = differences.iter().copied().filter(|one| one.is_finite()).collect();
+        let worse = WorseBy::of(of(one), of(other), self.error_of(&known, one, other));
+        // Chance may leave either without a value: nothing shows that the one is better.
+        let is_known = known.len() == differences.len();
+        WorseBy { fresh: if is_known { worse.fresh } else { f64::INFINITY }, ..worse }
     }
 
-    /// By how much chance alone may well make the one worse than the other on the seeds that were seen.
+    /// By how much the one is worse than the other on runs that are drawn again; not finite where either has no value.
     ///
     /// The cases are what they are, and what each draws could be otherwise. So runs are drawn again among those of the same case, the same
-    /// for both candidates: where a case has a single run, among that and the one with a fresh seed. A draw from `n` runs varies by
-    /// (n − 1)/n of what a new run does.
-    fn error_of_difference(&self, one: &Finalist, other: &Finalist) -> f64 {
+    /// for both candidates: where a case has a single run, among that and the one with a fresh seed.
+    fn differences(&self, one: &Finalist, other: &Finalist) -> Vec<f64> {
         let pools = self.pools();
         let name = format!("{}/{} last check", self.context.suite.name, self.tune.name);
         let mut stream = Stream::seeded(derive_seed(self.context.suite.seed, &name));
@@ -147,16 +151,33 @@ impl TuneUnderWay<'_> {
                 };
                 self.to_minimise(&drawn.iter().map(run).collect::<Vec<_>>())
             };
-            let difference = again(one) - again(other);
-            differences.extend(difference.is_finite().then_some(difference));
+            differences.push(again(one) - again(other));
         }
+        differences
+    }
+
+    /// By how much chance alone may well make the one worse than the other on the seeds that were seen, out of differences on runs that are
+    /// drawn again. A draw from `n` runs varies by (n − 1)/n of what a new run does.
+    fn error_of(&self, differences: &[f64], one: &Finalist, other: &Finalist) -> f64 {
+        let pools = self.pools();
         let smallest = pools.iter().map(Vec::len).min().unwrap_or(2).max(2) as f64;
-        let deviation = std(&differences).unwrap_or(0.0) * (smallest / (smallest - 1.0)).sqrt();
+        let deviation = std(differences).unwrap_or(0.0) * (smallest / (smallest - 1.0)).sqrt();
         let freedom = |pool: &Vec<DrawnRun>| match pool[..] {
             [one, other] if one.run == other.run => 1.0,
             _ => 1.0 - 1.0 / pool.len() as f64,
         };
-        student_quantile(CONFIDENCE, pools.iter().map(freedom).sum()) * deviation
+        // What varies by nothing says nothing of how well the deviation is known.
+        let metric = self.tune.objectives[0].aggregate.metric();
+        let values = [one, other]
+            .map(|of| [&of.seen, &of.fresh].map(|outcomes| self.evaluating.values(metric, outcomes)));
+        let varies = |pool: &&Vec<DrawnRun>| {
+            values.iter().any(|[seen, fresh]| {
+                let value = |drawn: &DrawnRun| if drawn.fresh { fresh[drawn.run] } else { seen[drawn.run] };
+                pool.iter().any(|drawn| value(drawn) != value(&pool[0]))
+            })
+        };
+        let freedom: f64 = pools.iter().filter(varies).map(freedom).sum();
+        student_quantile(CONFIDENCE, freedom.max(1.0)) * deviation
     }
 
     /// For each run those that could stand in its place.

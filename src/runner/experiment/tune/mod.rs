@@ -15,7 +15,7 @@ use super::search::{self, definition, undecisive};
 use candidates::{Evaluated, FirstCandidate};
 use numbers::random::derive_seed;
 use optimise::{Optimiser, non_dominated};
-use results::{BeforeAndAfter, TuneResult, Violations};
+use results::{BeforeAndAfter, SavedCase, TuneResult, Violations};
 use scenario::{Goal, Objective, Origin, SearchRange, ShownIn, Target, Tune, Value};
 use under_way::TuneUnderWay;
 
@@ -47,7 +47,10 @@ impl TuneUnderWay<'_> {
         let seed = derive_seed(suite.seed, &name);
         let definition = definition(space, &tune.budget, goals, tune.constraints.len(), seed);
         let batch = tune.budget.batch as usize;
-        let inputs = (suite.seed, &suite.scenarios, &suite.supporting, self.decisive(), &self.cases);
+        let cases = self.cases.iter().map(|case| suite.own_key(&case.key));
+        let cases: Vec<_> =
+            cases.zip(&self.cases).map(|(key, case)| SavedCase { key: key.into(), ..case.clone() }).collect();
+        let inputs = (suite.seed, &suite.scenarios, &suite.supporting, self.decisive(), cases);
         let mut optimisation = Optimisation::begin(self.context, &name, &inputs, definition, batch)?;
         let told = tell(&first, &mut optimisation.optimiser)?;
         let mut only = [optimisation];
@@ -55,13 +58,7 @@ impl TuneUnderWay<'_> {
         let [optimisation] = only;
         let candidates = self.candidates(first, &told, &optimisation.optimiser);
         let result = self.conclude(&candidates, &optimisation.optimiser)?;
-        let record = optimisation.into_record();
-        // A program may be another one by the time that somebody asks for more.
-        if suite.controllers.is_empty() {
-            record.keep()
-        } else {
-            record.remove()
-        }
+        // Its journal stays: a larger budget goes on from it.
         Ok(result)
     }
 
@@ -78,7 +75,8 @@ impl TuneUnderWay<'_> {
     }
 
     /// The candidate with which the fewest runs violate a constraint; of several the one with the best first objective,
-    /// then the earliest. Every candidate is run once more, because nothing else needs its single runs.
+    /// then the earliest; one that breaks none has no value, and is no answer. Every candidate is run once more, because nothing else needs
+    /// its single runs.
     fn fewest_violations(
         &self,
         candidates: &[Evaluated],
@@ -91,7 +89,8 @@ impl TuneUnderWay<'_> {
             }
         };
         let mut fewest: Option<(usize, Violations)> = None;
-        for (index, candidate) in candidates.iter().enumerate() {
+        let breaking = candidates.iter().enumerate().filter(|(_, one)| !one.evaluation.keeps_constraints());
+        for (index, candidate) in breaking {
             let outcomes = self.evaluating.run_all(1, &self.runs_with(&candidate.settings, false)?)?;
             let violations = self.violations(&outcomes);
             let is_less = |(best, least): &(usize, Violations)| {
@@ -127,7 +126,7 @@ impl TuneUnderWay<'_> {
                 fresh_violations.push(self.fresh_violations(&candidates[index])?);
             }
         }
-        for index in &front {
+        for index in front.iter().filter(|_| !tune.constraints.is_empty()) {
             fresh_violations.push(self.fresh_violations(&candidates[*index])?);
         }
         if tune.constraints.is_empty() {

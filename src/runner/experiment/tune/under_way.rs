@@ -65,7 +65,7 @@ impl TuneUnderWay<'_> {
             ObjectiveValue { value, noise_variance: noise_variance.filter(|_| value.is_some()) }
         };
         let margin =
-            |constraint| Margin { value: self.evaluating.margin(constraint, outcomes), censored: abandoned };
+            |constraint| Margin { censored: abandoned, ..self.evaluating.margin(constraint, outcomes) };
         Evaluation {
             objectives: self.tune.objectives.iter().map(objective).collect(),
             margins: self.tune.constraints.iter().map(margin).collect(),
@@ -83,8 +83,7 @@ impl TuneUnderWay<'_> {
     }
 
     fn violated(&self, outcomes: &[Outcome]) -> bool {
-        let margin = |constraint| self.evaluating.margin(constraint, outcomes);
-        self.tune.constraints.iter().any(|one| margin(one).is_none_or(|margin| margin < 0.0))
+        !self.tune.constraints.iter().all(|one| self.evaluating.margin(one, outcomes).is_kept())
     }
 
     /// In how many runs a constraint is violated.
@@ -98,14 +97,14 @@ impl TuneUnderWay<'_> {
         let suite = self.context.suite;
         let mut cases = Vec::with_capacity(self.cases.len() * self.tune.fresh.max(1) as usize);
         for (index, saved) in self.cases.iter().enumerate() {
-            let key = format!("{}/{}/case={}", suite.name, self.tune.name, index + 1);
+            let key = format!("{}/{}/case={}", suite.key_name(), self.tune.name, index + 1);
             for run in 1..=self.tune.fresh.max(1) {
                 let (key, named) = match self.tune.fresh {
                     0 => (key.clone(), again.then(|| format!("{key}/fresh"))),
                     _ if again => (format!("{key}/fresh={run}"), Some(format!("{key}/again={run}"))),
                     _ => (format!("{key}/fresh={run}"), Some(format!("{key}/fresh={run}"))),
                 };
-                let seed = named.map(|name| derive_seed(suite.seed, &name));
+                let seed = named.map(|name| derive_seed(suite.seed, suite.own_key(&name)));
                 cases.push(self.context.revive(saved, settings, key, seed)?);
             }
         }
