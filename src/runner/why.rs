@@ -233,7 +233,7 @@ impl WhatIfs<'_> {
                 && event.time <= end
         };
         let mut began = self.story.events.iter().filter(is_it).map(|event| event.time);
-        if about.pedestrian.is_some() { began.next() } else { began.last() }
+        if about.pedestrian.is_some() { began.next() } else { began.next_back() }
     }
 
     fn earlier(&self, vehicle: usize, seen: Option<f64>, braked: Option<f64>) -> Result<WhatIf, BatchError> {

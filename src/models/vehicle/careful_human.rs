@@ -206,7 +206,8 @@ impl CarefulHuman {
     fn room_behind(&self, ahead: &VehicleAhead, speed: f64) -> f64 {
         let own = self.stopping_distance(speed);
         // At once: it may be braking already.
-        let others = ahead.speed.max(0.0).powi(2) / (2.0 * self.deceleration);
+        let others = ahead.speed.max(0.0);
+        let others = others * others / (2.0 * self.deceleration);
         ahead.gap - self.standstill_gap - own + others
     }
 
