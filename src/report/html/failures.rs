@@ -41,7 +41,7 @@ pub fn failure_lines(report: &SuiteReport, animated: &[String]) -> (Vec<FailureL
     lines.extend(unfinished(report, animated));
     for block in &report.blocks {
         let standing = block.standing();
-        if matches!(standing, Standing::Judged(Verdict::Passed) | Standing::Skipped) {
+        if matches!(standing, Standing::Judged(Verdict::Passed) | Standing::Skipped | Standing::Found) {
             continue;
         }
         let said = crate::failure::render_block_failure(&report.identity, block, false);
@@ -137,7 +137,10 @@ mod tests {
         let with = |class: &str| lines.iter().filter(|line| line.class == class).count();
         let failing = groups(&report).len();
         let blocks = report.blocks.iter().filter(|block| {
-            !matches!(block.standing(), Standing::Judged(Verdict::Passed) | Standing::Skipped)
+            !matches!(
+                block.standing(),
+                Standing::Judged(Verdict::Passed) | Standing::Skipped | Standing::Found
+            )
         });
         let recorded = report.recorded.iter().filter(|one| is_open(one)).count();
         assert!(failing > 0 && recorded > 0);
