@@ -29,9 +29,6 @@ pub(super) struct KeepClear {
     /// How far each of them does, m.
     who: Vec<Option<f64>>,
     boxes: Vec<Footprint>,
-    /// Which boxes each of them passes as one, since the gaps between them are too narrow: the number of the first of them for each box, one
-    /// person after the other.
-    rows: Vec<usize>,
     /// Where everybody would be after the step that their models want; of who is not there, nowhere.
     wanted: Vec<Option<PedestrianState>>,
     /// What the model of each pedestrian who steps around a box is shown.
@@ -103,18 +100,11 @@ impl KeepClear {
         let who: Vec<_> = world.pedestrians.iter().map(scenario::PedestrianSetup::keeps_clear).collect();
         let boxes: Vec<Footprint> = world.road.boxes.iter().map(Footprint::from).collect();
         let bodies = who.len().saturating_sub(1) + boxes.len();
-        (who.iter().any(Option::is_some) && bodies > 0).then(|| {
-            let shapes = world.pedestrians.iter().map(|setup| setup.shape);
-            let rooms: Vec<f64> =
-                who.iter().zip(shapes).map(|(gap, shape)| room_to_pass(shape, *gap)).collect();
-            Self::of(who, &rooms, boxes)
-        })
+        (who.iter().any(Option::is_some) && bodies > 0).then(|| Self::of(who, boxes))
     }
 
-    /// `rooms` has how wide a gap each person needs, m.
-    fn of(who: Vec<Option<f64>>, rooms: &[f64], boxes: Vec<Footprint>) -> Self {
+    fn of(who: Vec<Option<f64>>, boxes: Vec<Footprint>) -> Self {
         Self {
-            rows: rooms.iter().flat_map(|room| rows(&boxes, *room)).collect(),
             wanted: vec![None; who.len()],
             detours: vec![None; who.len()],
             sides: vec![None; who.len() * boxes.len()],
@@ -204,7 +194,6 @@ impl KeepClear {
         self.lines.clear();
         // The body must have room to turn before the box.
         let round = Footprint { shape: Shape::Disc { radius: now.radius() }, ..now };
-        let rows = &self.rows[index * self.boxes.len()..][..self.boxes.len()];
         let sides = self.sides[index * self.boxes.len()..].iter_mut();
         for (number, (body, known)) in self.boxes.iter().zip(sides).enumerate() {
             let Some((normal, between)) = line(&round, body, (longest, gap)) else {
@@ -212,38 +201,20 @@ impl KeepClear {
                 continue;
             };
             let side = known.or(inherited).unwrap_or_else(|| {
-                let row = self.boxes.iter().zip(rows).filter(|(_, row)| **row == rows[number]);
-                nearer_end(&now, &row.map(|(body, _)| body).collect::<Vec<_>>(), normal, way)
+                let width = 2.0 * (now.radius() + gap + GAP);
+                nearer_end(&now, &row(&self.boxes, number, width), normal, way)
             });
             let of = Of::Box { index: number, side };
-            self.lines.push(Line {
-                normal,
-                room: room(between, gap, 1.0),
-                apart: false,
-                of,
-                has_bent: false,
-            });
+            self.lines.push(Line { apart: false, ..Line::new((normal, between), gap, of) });
             // A body that is nearer already may go on, but comes no nearer.
             let nearer =
                 line(&now, body, (longest, gap)).filter(|_| between <= 0.0 && now.shape != round.shape);
-            self.lines.extend(nearer.map(|(normal, between)| Line {
-                normal,
-                room: room(between, gap, 1.0),
-                apart: between > 0.0,
-                of,
-                has_bent: false,
-            }));
+            self.lines.extend(nearer.map(|found| Line::new(found, gap, of)));
         }
         let others = people.iter().enumerate().filter(|(other, state)| *other != index && state.present);
         for (_, other) in others {
             let found = line(&now, &Footprint::from(other), (longest, gap));
-            self.lines.extend(found.map(|(normal, between)| Line {
-                normal,
-                room: room(between, gap, 0.5),
-                apart: between > 0.0,
-                of: Of::Person(other.velocity),
-                has_bent: false,
-            }));
+            self.lines.extend(found.map(|found| Line::new(found, gap, Of::Person(other.velocity))));
         }
     }
 
@@ -260,27 +231,16 @@ impl KeepClear {
     }
 }
 
-/// How far (m) a walker may go who uses such a share of what lies between two bodies but for `gap` m.
-fn room(between: f64, gap: f64, share: f64) -> f64 {
-    ((between - GAP - gap) * share).max(0.0)
-}
-
-/// How wide a gap a person of that shape needs who keeps so far away (m), m.
-fn room_to_pass(shape: Shape, gap: Option<f64>) -> f64 {
-    let body = Footprint { centre: Vector2::zeros(), heading: Vector2::x(), shape };
-    2.0 * (body.radius() + gap.unwrap_or(0.0) + GAP)
-}
-
-/// For each box the number of the first one of its row: boxes without gaps of `room` m between them.
-fn rows(boxes: &[Footprint], room: f64) -> Vec<usize> {
-    let mut rows: Vec<usize> = (0..boxes.len()).collect();
-    for (one, other) in (0..boxes.len()).flat_map(|one| (0..one).map(move |other| (one, other))) {
-        if apart(&boxes[one], &boxes[other]) < room {
-            let (joined, first) = (rows[one].max(rows[other]), rows[one].min(rows[other]));
-            rows.iter_mut().filter(|row| **row == joined).for_each(|row| *row = first);
-        }
+/// The box of that number with all that are passed together with it: no gap between them is `width` m wide.
+fn row(boxes: &[Footprint], number: usize, width: f64) -> Vec<&Footprint> {
+    let mut others: Vec<&Footprint> = boxes.iter().collect();
+    let mut row = vec![others.swap_remove(number)];
+    let mut looked_at = 0;
+    while let Some(body) = row.get(looked_at).copied() {
+        row.extend(others.extract_if(.., |other| apart(body, other) < width));
+        looked_at += 1;
     }
-    rows
+    row
 }
 
 /// The side on which somebody who wants to go `way` (m) passes a row of boxes: of one box where the way leads along its face, else where the
@@ -352,6 +312,13 @@ fn line(walker: &Footprint, body: &Footprint, (longest, gap): (f64, f64)) -> Opt
 }
 
 impl Line {
+    /// A line of this direction where so much lies between two bodies, m. People use half of it each, but for `gap` m.
+    fn new((normal, between): (Vector2<f64>, f64), gap: f64, of: Of) -> Self {
+        let share = if matches!(of, Of::Person(_)) { 0.5 } else { 1.0 };
+        let room = ((between - GAP - gap) * share).max(0.0);
+        Self { normal, room, apart: between > 0.0, of, has_bent: false }
+    }
+
     /// How far a step leads over it, m; negative if it does not.
     fn crossed_by(&self, now: &Footprint, heading: Vector2<f64>, way: Vector2<f64>) -> f64 {
         let turned = Footprint { heading, ..*now };
@@ -444,8 +411,7 @@ mod tests {
 
     /// Where they are after each step.
     fn run(walkers: &[Walker], boxes: &[Footprint], steps: usize) -> Vec<Vec<PedestrianState>> {
-        let rooms: Vec<f64> = walkers.iter().map(|one| room_to_pass(one.state.shape, Some(0.0))).collect();
-        let mut rule = KeepClear::of(vec![Some(0.0); walkers.len()], &rooms, boxes.to_vec());
+        let mut rule = KeepClear::of(vec![Some(0.0); walkers.len()], boxes.to_vec());
         let mut now: Vec<_> = walkers.iter().map(|walker| walker.state).collect();
         let step = |_| {
             let wanted = now.iter().zip(walkers).map(|(state, walker)| {
