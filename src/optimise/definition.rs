@@ -17,7 +17,7 @@ pub enum Goal {
 
 impl Goal {
     /// A value as something to minimise, and back.
-    pub(super) fn minimised(self, value: f64) -> f64 {
+    pub fn minimised(self, value: f64) -> f64 {
         match self {
             Goal::Minimise => value,
             Goal::Maximise => -value,

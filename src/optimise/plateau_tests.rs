@@ -7,9 +7,9 @@ use rand::RngExt;
 use rayon::prelude::*;
 
 use super::*;
-use numbers::distributions::{normal, student_quantile};
+use numbers::distributions::normal;
 use numbers::random::{derive_seed, generator};
-use numbers::summary::{mean, variance_of_mean};
+use numbers::summary::mean;
 
 /// Runs of a candidate on one kind of seeds.
 const RUNS: usize = 20;
@@ -71,20 +71,20 @@ impl Problem {
     }
 
     fn compared(&self, [one, other]: [&[Coordinate]; 2], seed: u64) -> WorseBy {
-        let both = |fresh| [one, other].map(|point| self.runs(point, seed, fresh));
-        let ([seen, other_seen], [fresh, other_fresh]) = (both(false), both(true));
-        let differences = |left: &[f64], right: &[f64]| -> Vec<f64> {
-            left.iter().zip(right).map(|(left, right)| left - right).collect()
+        let [one, other] =
+            [one, other].map(|point| [self.runs(point, seed, false), self.runs(point, seed, true)].concat());
+        let over = |values: &[f64], runs: &[usize]| {
+            mean(&runs.iter().map(|run| values[*run]).collect::<Vec<_>>()).unwrap()
         };
-        let each = differences(&seen, &other_seen);
-        let error = variance_of_mean(&each).unwrap().sqrt();
-        let value = |runs: &[f64]| mean(runs).unwrap();
-        let of = |seen: &[f64], fresh: &[f64]| Reevaluated { seen: value(seen), fresh: value(fresh) };
-        WorseBy::of(
-            of(&seen, &fresh),
-            of(&other_seen, &other_fresh),
-            student_quantile(0.95, (RUNS - 1) as f64) * error,
-        )
+        let of = |values: &[f64]| Reevaluated {
+            seen: mean(&values[..RUNS]).unwrap(),
+            fresh: mean(&values[RUNS..]).unwrap(),
+        };
+        // All runs are of one case.
+        let pools = vec![(0..RUNS).collect(); RUNS];
+        let is_same = |left: usize, right: usize| one[left] == one[right] && other[left] == other[right];
+        let difference = |drawn: &[usize]| over(&one, drawn) - over(&other, drawn);
+        WorseBy::of(of(&one), of(&other), Chance::of(&pools, seed, is_same, difference))
     }
 }
 

@@ -8,21 +8,14 @@ use std::collections::HashMap;
 use super::candidates::Evaluated;
 use super::under_way::TuneUnderWay;
 use crate::experiment::error::ExperimentError;
-use numbers::distributions::student_quantile;
-use numbers::random::{Stream, derive_seed};
-use numbers::summary::std;
-use optimise::{Fitted, Reevaluated, WorseBy, choose};
+use numbers::random::derive_seed;
+use optimise::{Chance, Fitted, Reevaluated, WorseBy, choose};
 use results::{Outcome, Violations};
-use scenario::Goal;
 
 /// How many of the best observed candidates the answer is compared with.
 const MOST_COMPARED: usize = 2;
-/// Confidence that one candidate is worse than another.
-const CONFIDENCE: f64 = 0.95;
-/// How often runs are drawn again to tell the error of a difference.
-const RESAMPLES: usize = 200;
 
-/// What the check comes to.
+/// The candidate that the check chooses.
 pub struct Choice {
     /// The index of the candidate.
     pub index: usize,
@@ -35,15 +28,18 @@ pub struct Choice {
 /// A candidate that was evaluated again.
 struct Finalist {
     index: usize,
-    seen: Vec<Outcome>,
-    fresh: Vec<Outcome>,
+    /// On the seeds that it was chosen on, and then as many on fresh ones.
+    runs: Vec<Outcome>,
 }
 
-/// A run by its place among those of a candidate.
-#[derive(Debug, Clone, Copy)]
-struct DrawnRun {
-    run: usize,
-    fresh: bool,
+impl Finalist {
+    fn seen(&self) -> &[Outcome] {
+        &self.runs[..self.runs.len() / 2]
+    }
+
+    fn fresh(&self) -> &[Outcome] {
+        &self.runs[self.runs.len() / 2..]
+    }
 }
 
 impl TuneUnderWay<'_> {
@@ -53,8 +49,8 @@ impl TuneUnderWay<'_> {
         candidates: &[Evaluated],
         fitted: Option<&Fitted>,
     ) -> Result<Option<Choice>, ExperimentError> {
-        let sign = self.sign();
-        let value = |one: &Evaluated| one.evaluation.objectives[0].value.map(|value| sign * value);
+        let direction = self.tune.objectives[0].direction;
+        let value = |one: &Evaluated| Some(direction.minimised(one.evaluation.objectives[0].value?));
         let feasible = candidates.iter().enumerate().filter(|(_, one)| one.evaluation.is_feasible());
         let mut feasible: Vec<(f64, usize)> =
             feasible.filter_map(|(index, one)| Some((value(one)?, index))).collect();
@@ -74,12 +70,14 @@ impl TuneUnderWay<'_> {
                 .find(|one| one.index == index)
                 .expect("every candidate that is compared is there")
         };
-        let worse_by = |one, other| Ok::<_, ExperimentError>(self.worse_by(of(one), of(other)));
-        let index = choose(predicted, &best, declared, worse_by)?;
+        let pools = self.pools();
+        let index = choose(predicted, &best, declared, |one, other| {
+            Ok::<_, ExperimentError>(self.worse_by(of(one), of(other), &pools))
+        })?;
         let change = declared
             .filter(|declared| *declared != index)
             .and_then(|declared| self.change_on_fresh(of(declared), of(index)));
-        Ok(Some(Choice { index, change, fresh: self.violations(&of(index).fresh) }))
+        Ok(Some(Choice { index, change, fresh: self.violations(of(index).fresh()) }))
     }
 
     /// In how many runs with fresh seeds a candidate violates a constraint.
@@ -89,8 +87,8 @@ impl TuneUnderWay<'_> {
 
     /// By how much the first objective changes on runs that no candidate was chosen on.
     fn change_on_fresh(&self, declared: &Finalist, chosen: &Finalist) -> Option<f64> {
-        let change = self.to_minimise(&chosen.fresh) - self.to_minimise(&declared.fresh);
-        change.is_finite().then_some(self.sign() * change)
+        let change = self.to_minimise(chosen.fresh()) - self.to_minimise(declared.fresh());
+        change.is_finite().then(|| self.tune.objectives[0].direction.minimised(change))
     }
 
     /// Each candidate once, on the seeds that it was chosen on and on fresh ones.
@@ -104,87 +102,41 @@ impl TuneUnderWay<'_> {
         once.dedup();
         let mut cases = Vec::new();
         for index in &once {
-            for fresh in [false, true] {
-                cases.push(self.runs_with(&candidates[*index].settings, fresh)?);
-            }
+            let settings = &candidates[*index].settings;
+            cases.push([self.runs_with(settings, false)?, self.runs_with(settings, true)?].concat());
         }
         let mut outcomes = self.evaluating.run_all(1, &cases.concat())?.into_iter().map(bare);
-        let mut next = |runs: usize| outcomes.by_ref().take(runs).collect::<Vec<_>>();
-        let pairs = once.iter().zip(cases.chunks(2));
-        Ok(pairs
-            .map(|(index, both)| Finalist {
-                index: *index,
-                seen: next(both[0].len()),
-                fresh: next(both[1].len()),
-            })
-            .collect())
+        let finalist = |(index, cases): (&usize, &Vec<_>)| Finalist {
+            index: *index,
+            runs: outcomes.by_ref().take(cases.len()).collect(),
+        };
+        Ok(once.iter().zip(&cases).map(finalist).collect())
     }
 
     /// By how much the first objective of one is worse than that of the other.
-    fn worse_by(&self, one: &Finalist, other: &Finalist) -> WorseBy {
+    fn worse_by(&self, one: &Finalist, other: &Finalist, pools: &[Vec<usize>]) -> WorseBy {
         let of = |finalist: &Finalist| Reevaluated {
-            seen: self.to_minimise(&finalist.seen),
-            fresh: self.to_minimise(&finalist.fresh),
+            seen: self.to_minimise(finalist.seen()),
+            fresh: self.to_minimise(finalist.fresh()),
         };
-        let differences = self.differences(one, other);
-        let known: Vec<f64> = differences.iter().copied().filter(|one| one.is_finite()).collect();
-        let worse = WorseBy::of(of(one), of(other), self.error_of(&known, one, other));
-        // Chance may leave either without a value: nothing shows that the one is better.
-        let is_known = known.len() == differences.len();
-        WorseBy { fresh: if is_known { worse.fresh } else { f64::INFINITY }, ..worse }
-    }
-
-    /// By how much the one is worse than the other on runs that are drawn again; not finite where either has no value.
-    ///
-    /// The cases are what they are, and what each draws could be otherwise. So runs are drawn again among those of the same case, the same
-    /// for both candidates: where a case has a single run, among that and the one with a fresh seed.
-    fn differences(&self, one: &Finalist, other: &Finalist) -> Vec<f64> {
-        let pools = self.pools();
-        let name = format!("{}/{} last check", self.context.suite.name, self.tune.name);
-        let mut stream = Stream::seeded(derive_seed(self.context.suite.seed, &name));
-        let mut differences = Vec::with_capacity(RESAMPLES);
-        for _ in 0..RESAMPLES {
-            let drawn: Vec<DrawnRun> = pools.iter().map(|pool| pool[stream.index(pool.len())]).collect();
-            let again = |of: &Finalist| -> f64 {
-                let run = |drawn: &DrawnRun| {
-                    if drawn.fresh { &of.fresh[drawn.run] } else { &of.seen[drawn.run] }.clone()
-                };
-                self.to_minimise(&drawn.iter().map(run).collect::<Vec<_>>())
-            };
-            differences.push(again(one) - again(other));
-        }
-        differences
-    }
-
-    /// By how much chance alone may well make the one worse than the other on the seeds that were seen, out of differences on runs that are
-    /// drawn again. A draw from `n` runs varies by (n − 1)/n of what a new run does.
-    fn error_of(&self, differences: &[f64], one: &Finalist, other: &Finalist) -> f64 {
-        let pools = self.pools();
-        let smallest = pools.iter().map(Vec::len).min().unwrap_or(2).max(2) as f64;
-        let deviation = std(differences).unwrap_or(0.0) * (smallest / (smallest - 1.0)).sqrt();
-        let freedom = |pool: &Vec<DrawnRun>| match pool[..] {
-            [one, other] if one.run == other.run => 1.0,
-            _ => 1.0 - 1.0 / pool.len() as f64,
-        };
-        // What varies by nothing says nothing of how well the deviation is known.
         let metric = self.tune.objectives[0].aggregate.metric();
-        let values = [one, other]
-            .map(|of| [&of.seen, &of.fresh].map(|outcomes| self.evaluating.values(metric, outcomes)));
-        let varies = |pool: &&Vec<DrawnRun>| {
-            values.iter().any(|[seen, fresh]| {
-                let value = |drawn: &DrawnRun| if drawn.fresh { fresh[drawn.run] } else { seen[drawn.run] };
-                pool.iter().any(|drawn| value(drawn) != value(&pool[0]))
-            })
+        let values = [one, other].map(|finalist| self.evaluating.values(metric, &finalist.runs));
+        let is_same = |left: usize, right: usize| values.iter().all(|values| values[left] == values[right]);
+        let over = |finalist: &Finalist, drawn: &[usize]| {
+            self.to_minimise(&drawn.iter().map(|run| finalist.runs[*run].clone()).collect::<Vec<_>>())
         };
-        let freedom: f64 = pools.iter().filter(varies).map(freedom).sum();
-        student_quantile(CONFIDENCE, freedom.max(1.0)) * deviation
+        let name = format!("{}/{} last check", self.context.suite.name, self.tune.name);
+        let seed = derive_seed(self.context.suite.seed, &name);
+        let chance = Chance::of(pools, seed, is_same, |drawn| over(one, drawn) - over(other, drawn));
+        WorseBy::of(of(one), of(other), chance)
     }
 
-    /// For each run those that could stand in its place.
-    fn pools(&self) -> Vec<Vec<DrawnRun>> {
+    /// For each run those of the same case, by their places among those of a finalist: where a case has a single run, that with a fresh seed.
+    fn pools(&self) -> Vec<Vec<usize>> {
         let of_each = self.tune.fresh.max(1) as usize;
+        let all = self.cases.len() * of_each;
         let mut alike: HashMap<String, Vec<usize>> = HashMap::new();
-        let mut names = Vec::with_capacity(self.cases.len() * of_each);
+        let mut names = Vec::with_capacity(all);
         for (index, case) in self.cases.iter().enumerate() {
             let same = (&case.scenario, &case.variation, &case.settings, &case.individuals);
             let name = serde_json::to_string(&same).expect("plain data serialises");
@@ -193,25 +145,18 @@ impl TuneUnderWay<'_> {
                 names.push(name.clone());
             }
         }
-        let pool = |(run, name): (usize, &String)| match &alike[name][..] {
-            [_] => [false, true].map(|fresh| DrawnRun { run, fresh }).to_vec(),
-            several => several.iter().map(|run| DrawnRun { run: *run, fresh: false }).collect(),
+        let pool = |name: &String| match &alike[name][..] {
+            [run] => vec![*run, all + run],
+            several => several.to_vec(),
         };
-        names.iter().enumerate().map(pool).collect()
+        names.iter().map(pool).collect()
     }
 
     /// The first objective over runs as a number to minimise; infinite without a value.
     fn to_minimise(&self, outcomes: &[Outcome]) -> f64 {
         let objective = &self.tune.objectives[0];
         let value = self.evaluating.objective(&objective.aggregate, objective.direction, outcomes).0;
-        value.map_or(f64::INFINITY, |value| self.sign() * value)
-    }
-
-    fn sign(&self) -> f64 {
-        match self.tune.objectives[0].direction {
-            Goal::Minimise => 1.0,
-            Goal::Maximise => -1.0,
-        }
+        value.map_or(f64::INFINITY, |value| objective.direction.minimised(value))
     }
 }
 

@@ -16,7 +16,7 @@ use candidates::{Evaluated, FirstCandidate};
 use numbers::random::derive_seed;
 use optimise::{Optimiser, non_dominated};
 use results::{BeforeAndAfter, SavedCase, TuneResult, Violations};
-use scenario::{Goal, Objective, Origin, SearchRange, ShownIn, Target, Tune, Value};
+use scenario::{Objective, Origin, SearchRange, ShownIn, Target, Tune, Value};
 use under_way::TuneUnderWay;
 
 /// Runs one tune to its end. `results` holds the searches that its cases come from.
@@ -81,12 +81,10 @@ impl TuneUnderWay<'_> {
         &self,
         candidates: &[Evaluated],
     ) -> Result<Option<(usize, Violations)>, ExperimentError> {
+        let direction = self.tune.objectives[0].direction;
         let worth = |index: usize| {
-            let value = candidates[index].evaluation.objectives[0].value.unwrap_or(f64::INFINITY);
-            match self.tune.objectives[0].direction {
-                Goal::Maximise if value.is_finite() => -value,
-                _ => value,
-            }
+            let value = candidates[index].evaluation.objectives[0].value;
+            value.map_or(f64::INFINITY, |value| direction.minimised(value))
         };
         let mut fewest: Option<(usize, Violations)> = None;
         let breaking = candidates.iter().enumerate().filter(|(_, one)| !one.evaluation.keeps_constraints());
@@ -169,11 +167,7 @@ impl TuneUnderWay<'_> {
     fn front(&self, candidates: &[Evaluated]) -> Vec<usize> {
         let vector = |one: &Evaluated| -> Option<Vec<f64>> {
             let each = self.tune.objectives.iter().zip(&one.evaluation.objectives);
-            each.map(|(objective, value)| match objective.direction {
-                Goal::Minimise => value.value,
-                Goal::Maximise => value.value.map(|value| -value),
-            })
-            .collect()
+            each.map(|(objective, value)| Some(objective.direction.minimised(value.value?))).collect()
         };
         let feasible = candidates.iter().enumerate().filter(|(_, one)| one.evaluation.is_feasible());
         let (indices, vectors): (Vec<usize>, Vec<Vec<f64>>) =
