@@ -9,8 +9,11 @@ use super::evaluation::render_evaluate;
 use super::found::render_search;
 use super::shown_value::{WITHOUT_VALUE, digits, value};
 use super::statement::render_statement;
+use super::wording::untested_words;
 use optimise::Coordinate;
-use results::{BlockResult, Candidate, CandidateOrigin, MetricSummary, TuneResult, Violations};
+use results::{
+    BlockResult, Candidate, CandidateOrigin, MetricSummary, TuneResult, UntestedConstraint, Violations,
+};
 use scenario::{ShownIn, Tune};
 
 /// A block's result in a few lines or a table.
@@ -67,6 +70,9 @@ pub fn render_tune(result: &TuneResult) -> String {
         writeln!(text, "  {which} breaks a constraint on the fresh seeds, in {runs} of {of} runs")
             .expect(STRING);
     }
+    for why in untested_constraints(result) {
+        writeln!(text, "  {why}").expect(STRING);
+    }
     if let Some(comparison) = &result.comparison {
         let headings = ["", "before", "after", "before, fresh", "after, fresh"];
         let mut lines = vec![headings.map(String::from).to_vec()];
@@ -98,6 +104,14 @@ pub fn against_declared(result: &TuneResult) -> String {
         }
         _ => "better than what is declared".to_string(),
     }
+}
+
+/// `impact_speed <= 3 m/s is kept untested: \`walker\` did not come into the way of \`av\` with fresh seeds`.
+pub fn untested_constraints(result: &TuneResult) -> Vec<String> {
+    let said = |UntestedConstraint { constraint, reason }: &UntestedConstraint| {
+        format!("{constraint} is kept untested: with fresh seeds {}", untested_words(reason))
+    };
+    result.untested.iter().map(said).collect()
 }
 
 fn digits_in(unit: Option<&ShownIn>, value: f64) -> String {

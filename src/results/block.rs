@@ -130,12 +130,13 @@ impl BlockResult {
         }
     }
 
-    /// Whether some criterion passed without being put to the test, or numbers that nothing judges are of runs in which nothing was at stake.
+    /// Whether some criterion or constraint passed without being put to the test, or numbers that nothing judges are of runs in which nothing was at stake.
     pub fn is_untested(&self) -> bool {
         match self {
             Self::Search(search) => search.judged.as_ref().is_some_and(JudgedSearch::is_untested),
+            Self::Tune(tune) => tune.failure().is_none() && !tune.untested.is_empty(),
             Self::Evaluate(evaluate) => !evaluate.untested().is_empty(),
-            _ => false,
+            Self::Calibrate(_) | Self::Estimate(_) | Self::Statement(_) => false,
         }
     }
 

@@ -307,6 +307,8 @@ impl Mixture {
             violations: _,
             pareto,
             fresh_violations,
+            // Out of runs that are made again.
+            untested: _,
             evaluations,
             stop: _,
             slices: _,

@@ -110,6 +110,6 @@ pub use summary::{
 pub use trial::{
     CourseOfRun, Horizon, LeftRoad, Reason, RunsTaken, Stranded, TrialReport, TrialState, TrialVerdict,
 };
-pub use tune::{BeforeAndAfter, Candidate, CandidateOrigin, TuneResult, Violations};
+pub use tune::{BeforeAndAfter, Candidate, CandidateOrigin, TuneResult, UntestedConstraint, Violations};
 pub use unit_error::{RunFault, UnitError};
 pub use verdict::Verdict;

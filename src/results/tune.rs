@@ -5,6 +5,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::cases::MetricSummary;
+use super::finding::Untested;
 use optimise::{self, OptimisationEnd, SlicePoint};
 use scenario::ShownIn;
 
@@ -43,6 +44,9 @@ pub struct TuneResult {
     /// empty without constraints.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub fresh_violations: Vec<Violations>,
+    /// Constraints that nothing put to the test in the runs with fresh seeds of what is chosen, or of one of those that no other beats.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub untested: Vec<UntestedConstraint>,
     /// Every candidate in order; the first is what the scenarios declare.
     pub evaluations: Vec<Candidate>,
     /// Why nothing more was proposed; `None` if the tune did not get there.
@@ -147,6 +151,15 @@ impl TuneResult {
         };
         Some(format!("{which} breaks a constraint on the fresh seeds, in {runs} of {of} runs"))
     }
+}
+
+/// A constraint about which nothing was at stake.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct UntestedConstraint {
+    /// In canonical words.
+    pub constraint: String,
+    /// Why.
+    pub reason: Untested,
 }
 
 /// Runs in which a constraint is violated, of those that were made.

@@ -262,6 +262,41 @@ fn a_constraint_is_kept_where_what_it_bounds_never_arose() {
     assert_eq!(tune["fresh_violations"][0]["runs"], 0);
 }
 
+/// Everybody stays at the kerb: every candidate keeps every constraint, and nothing says that it would.
+#[test]
+fn a_constraint_that_nothing_put_to_the_test_is_said_and_can_be_denied() {
+    let tune = |people: &str, constraint: &str| {
+        let text = street("").replace("speed: 1.4 m/s", people);
+        let tune = format!(
+            "tune far {{ on walks; over av.controller.braking_distance in 12 m .. 60 m; \
+             minimise mean(max_deceleration); subject to {constraint}; budget 2 evaluations, 2 random first }}"
+        );
+        Place::new(&(text + &tune))
+    };
+    let denied = |place: &Place| {
+        let run =
+            ["street.scn", "tune=far", "--deny", "untested", "--json", "all.json", "--html", "all.html"];
+        let first = code(&scenario_runner(place.path(), &run));
+        let reported = scenario_runner(place.path(), &["report", "all.json"]);
+        assert_eq!(code(&reported), first, "{}", stderr(&reported));
+        first
+    };
+    for constraint in ["impact_speed <= 3 m/s", "no collision", "pet >= 1 s undefined passes"] {
+        let nobody = tune("speed: 1.4 m/s, stop_after: 0.5 m", constraint);
+        let (result, said, exit) = nobody.tune("far");
+        assert_eq!((exit, result["untested"][0]["reason"]["reason"].as_str()), (0, Some("pairs")), "{said}");
+        let why = "untested: with fresh seeds `walker` did not come into the way of `av`";
+        assert!(said.contains(why), "{said}");
+        assert_eq!(denied(&nobody), 102, "{constraint}");
+        let page = fs::read_to_string(nobody.path().join("all.html")).unwrap();
+        assert!(page.contains("kept untested"), "{constraint}");
+    }
+    let met = tune("speed: 1.4 m/s", "impact_speed <= 3 m/s");
+    let (result, said, exit) = met.tune("far");
+    assert_eq!((exit, &result["untested"]), (0, &Value::Null), "{said}");
+    assert_eq!(denied(&met), 0);
+}
+
 #[test]
 fn no_hit_is_better_than_any() {
     let (tune, said, code) = hits("minimise mean(impact_speed)").tune("g");

@@ -5,7 +5,7 @@ use serde::Serialize;
 use super::figure::HtmlFigure;
 use super::space::{MeasuredQuantity, SpaceDimension, point_text};
 use crate::chart::{AxisQuantity, Convergence, Front, PointMark, Rule, Slice, Tried};
-use crate::experiment::{against_declared, tuned_parameters};
+use crate::experiment::{against_declared, tuned_parameters, untested_constraints};
 use crate::format::{capitalised, share};
 use crate::wording::comparison_text;
 use optimise::OptimisationEnd;
@@ -206,6 +206,7 @@ impl<'a> Bench<'a> {
         if result.chosen.is_some() {
             sentences.push(capitalised(&against_declared(result)) + ".");
         }
+        sentences.extend(untested_constraints(result).iter().map(|why| format!("⚠ {why}.")));
         sentences
     }
 

@@ -32,4 +32,4 @@ pub use rating::judge_rating;
 pub use seen::{Seen, holds, holds_undefined};
 pub use span::{ValueSpan, open_runs, span_of};
 pub use stopping::Watch;
-pub use untested::{has_encounter, untested_by};
+pub use untested::{comparison_untested_by, has_encounter, untested_by};

@@ -51,6 +51,15 @@ pub fn untested_by(
     AtStake::new(reference, false, outcomes, requests).untested(&[])
 }
 
+/// Why nothing that a comparison is about was at stake in any of these runs; `None` where something was.
+pub fn comparison_untested_by(
+    comparison: &Comparison,
+    outcomes: &[&Outcome],
+    requests: &Requests,
+) -> Option<Untested> {
+    AtStake::new(&comparison.metric, is_far(&comparison.bound), outcomes, requests).untested(&[])
+}
+
 /// Whether anything that a metric is about was at stake in a run: for a metric of pairs, in one of them.
 pub fn has_encounter(comparison: &Comparison, outcome: &Outcome, requests: &Requests) -> bool {
     let outcomes = [outcome];

@@ -6,11 +6,11 @@
 use std::collections::HashMap;
 
 use super::candidates::Evaluated;
-use super::under_way::TuneUnderWay;
+use super::under_way::{Kept, TuneUnderWay};
 use crate::experiment::error::ExperimentError;
 use numbers::random::derive_seed;
 use optimise::{Chance, Fitted, Reevaluated, WorseBy, choose};
-use results::{Outcome, Violations};
+use results::Outcome;
 
 /// How many of the best observed candidates the answer is compared with.
 const MOST_COMPARED: usize = 2;
@@ -21,8 +21,8 @@ pub struct Choice {
     pub index: usize,
     /// By how much its first objective differs from that of the declared values, on fresh seeds.
     pub change: Option<f64>,
-    /// In how many of the runs with fresh seeds it violates a constraint.
-    pub fresh: Violations,
+    /// How it keeps the constraints with fresh seeds.
+    pub fresh: Kept,
 }
 
 /// A candidate that was evaluated again.
@@ -30,6 +30,8 @@ struct Finalist {
     index: usize,
     /// On the seeds that it was chosen on, and then as many on fresh ones.
     runs: Vec<Outcome>,
+    /// How it keeps the constraints with fresh seeds.
+    kept: Kept,
 }
 
 impl Finalist {
@@ -62,14 +64,13 @@ impl TuneUnderWay<'_> {
         let predicted = candidates.iter().position(|one| predicted.is_some() && one.id == predicted);
         let predicted = predicted.filter(|index| is_feasible(*index)).unwrap_or(first);
         let declared = candidates.iter().position(Evaluated::is_declared).filter(|index| is_feasible(*index));
-        let finalists =
+        let mut finalists =
             self.evaluate_again(candidates, best.iter().copied().chain([predicted]).chain(declared))?;
-        let of = |index: usize| {
-            finalists
-                .iter()
-                .find(|one| one.index == index)
-                .expect("every candidate that is compared is there")
+        let place = |index: usize| {
+            let place = finalists.iter().position(|one| one.index == index);
+            place.expect("every candidate that is compared is there")
         };
+        let of = |index: usize| &finalists[place(index)];
         let pools = self.pools();
         let index = choose(predicted, &best, declared, |one, other| {
             Ok::<_, ExperimentError>(self.worse_by(of(one), of(other), &pools))
@@ -77,12 +78,13 @@ impl TuneUnderWay<'_> {
         let change = declared
             .filter(|declared| *declared != index)
             .and_then(|declared| self.change_on_fresh(of(declared), of(index)));
-        Ok(Some(Choice { index, change, fresh: self.violations(of(index).fresh()) }))
+        let chosen = place(index);
+        Ok(Some(Choice { index, change, fresh: finalists.swap_remove(chosen).kept }))
     }
 
-    /// In how many runs with fresh seeds a candidate violates a constraint.
-    pub fn fresh_violations(&self, candidate: &Evaluated) -> Result<Violations, ExperimentError> {
-        Ok(self.violations(&self.evaluating.run_all(1, &self.runs_with(&candidate.settings, true)?)?))
+    /// How a candidate keeps the constraints with fresh seeds.
+    pub fn kept_on_fresh(&self, candidate: &Evaluated) -> Result<Kept, ExperimentError> {
+        Ok(self.kept(&self.evaluating.run_all(1, &self.runs_with(&candidate.settings, true)?)?))
     }
 
     /// By how much the first objective changes on runs that no candidate was chosen on.
@@ -105,10 +107,11 @@ impl TuneUnderWay<'_> {
             let settings = &candidates[*index].settings;
             cases.push([self.runs_with(settings, false)?, self.runs_with(settings, true)?].concat());
         }
-        let mut outcomes = self.evaluating.run_all(1, &cases.concat())?.into_iter().map(bare);
-        let finalist = |(index, cases): (&usize, &Vec<_>)| Finalist {
-            index: *index,
-            runs: outcomes.by_ref().take(cases.len()).collect(),
+        let mut outcomes = self.evaluating.run_all(1, &cases.concat())?.into_iter();
+        let finalist = |(index, cases): (&usize, &Vec<_>)| {
+            let runs: Vec<_> = outcomes.by_ref().take(cases.len()).collect();
+            let kept = self.kept(&runs[runs.len() / 2..]);
+            Finalist { index: *index, runs: runs.into_iter().map(bare).collect(), kept }
         };
         Ok(once.iter().zip(&cases).map(finalist).collect())
     }

@@ -13,11 +13,12 @@ use super::overrides;
 use super::rounds::{Optimisation, optimise};
 use super::search::{self, definition, undecisive};
 use candidates::{Evaluated, FirstCandidate};
+use last_check::Choice;
 use numbers::random::derive_seed;
-use optimise::{Optimiser, non_dominated};
-use results::{BeforeAndAfter, SavedCase, TuneResult, Violations};
+use optimise::{Fitted, Optimiser, non_dominated};
+use results::{BeforeAndAfter, SavedCase, TuneResult, UntestedConstraint, Violations};
 use scenario::{Objective, Origin, SearchRange, ShownIn, Target, Tune, Value};
-use under_way::TuneUnderWay;
+use under_way::{Kept, TuneUnderWay};
 
 /// Runs one tune to its end. `results` holds the searches that its cases come from.
 ///
@@ -35,6 +36,21 @@ pub fn run_tune(
     let evaluating = context.reading_only(looked_at.chain(constrained));
     let under = TuneUnderWay { context, evaluating, tune, cases, progress, done: AtomicUsize::new(0) };
     under.run()
+}
+
+/// What a tune answers with.
+#[derive(Default)]
+struct Answer {
+    /// The index of the candidate that is chosen.
+    chosen: Option<usize>,
+    /// With two objectives: the indices of those that no other beats.
+    front: Vec<usize>,
+    /// By how much the first objective of what is chosen differs from that of the declared values, on fresh seeds.
+    change: Option<f64>,
+    /// Where what is chosen is not feasible: in how many runs it violates a constraint.
+    violations: Option<Violations>,
+    /// How what is chosen, or each of the front, keeps the constraints with fresh seeds; empty without constraints.
+    fresh: Vec<Kept>,
 }
 
 impl TuneUnderWay<'_> {
@@ -101,6 +117,25 @@ impl TuneUnderWay<'_> {
         Ok(fewest)
     }
 
+    /// What to answer with.
+    fn answer(&self, candidates: &[Evaluated], fitted: Option<&Fitted>) -> Result<Answer, ExperimentError> {
+        let tune = self.tune;
+        let is_constrained = !tune.constraints.is_empty();
+        if tune.objectives.len() == 1
+            && let Some(Choice { index, change, fresh }) = self.choose(candidates, fitted)?
+        {
+            let fresh = if is_constrained { vec![fresh] } else { Vec::new() };
+            return Ok(Answer { chosen: Some(index), change, fresh, ..Answer::default() });
+        }
+        let front = if tune.objectives.len() > 1 { self.front(candidates) } else { Vec::new() };
+        let is_open = front.is_empty() && tune.otherwise_fewest_violations;
+        let fewest = if is_open { self.fewest_violations(candidates)? } else { None };
+        let (chosen, violations) = fewest.unzip();
+        let answers = chosen.iter().chain(&front).filter(|_| is_constrained);
+        let fresh = answers.map(|index| self.kept_on_fresh(&candidates[*index])).collect::<Result<_, _>>()?;
+        Ok(Answer { chosen, front, violations, fresh, change: None })
+    }
+
     fn conclude(
         &self,
         candidates: &[Evaluated],
@@ -108,28 +143,7 @@ impl TuneUnderWay<'_> {
     ) -> Result<TuneResult, ExperimentError> {
         let tune = self.tune;
         let fitted = optimiser.fitted().ok();
-        let front = if tune.objectives.len() > 1 { self.front(candidates) } else { Vec::new() };
-        let mut chosen = None;
-        let (mut change, mut violations, mut fresh_violations) = (None, None, Vec::new());
-        if tune.objectives.len() == 1
-            && let Some(choice) = self.choose(candidates, fitted.as_ref())?
-        {
-            chosen = Some(choice.index);
-            change = choice.change;
-            fresh_violations.push(choice.fresh);
-        } else if front.is_empty() && tune.otherwise_fewest_violations {
-            let (index, fewest) = self.fewest_violations(candidates)?.unzip();
-            (chosen, violations) = (index, fewest);
-            if let Some(index) = index {
-                fresh_violations.push(self.fresh_violations(&candidates[index])?);
-            }
-        }
-        for index in front.iter().filter(|_| !tune.constraints.is_empty()) {
-            fresh_violations.push(self.fresh_violations(&candidates[*index])?);
-        }
-        if tune.constraints.is_empty() {
-            fresh_violations.clear();
-        }
+        let Answer { chosen, front, change, violations, fresh } = self.answer(candidates, fitted.as_ref())?;
         let chosen = chosen.map(|index| &candidates[index]);
         let best = chosen.map(Evaluated::candidate);
         let slices = best.as_ref().map(|best| search::slices(fitted.as_ref(), &best.point));
@@ -155,7 +169,8 @@ impl TuneUnderWay<'_> {
             change,
             violations,
             pareto: front.iter().map(|index| candidates[*index].candidate()).collect(),
-            fresh_violations,
+            fresh_violations: fresh.iter().map(|one| one.violations).collect(),
+            untested: untested(&fresh),
             evaluations: candidates.iter().map(Evaluated::candidate).collect(),
             stop: optimiser.stop_reason(),
             slices: slices.unwrap_or_default(),
@@ -188,6 +203,17 @@ impl TuneUnderWay<'_> {
             after_fresh: summaries(chosen, true)?,
         })
     }
+}
+
+/// The constraints about which nothing was at stake with some answer, each reason once.
+fn untested(fresh: &[Kept]) -> Vec<UntestedConstraint> {
+    let mut all = Vec::new();
+    for one in fresh.iter().flat_map(|one| &one.untested) {
+        if !all.contains(one) {
+            all.push(one.clone());
+        }
+    }
+    all
 }
 
 /// Tells the optimiser of those that are within its space; gives the number of each.

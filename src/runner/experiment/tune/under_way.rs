@@ -8,12 +8,21 @@ use crate::experiment::overrides;
 use crate::experiment::rounds::EvaluateRound;
 use numbers::random::derive_seed;
 use optimise::{Evaluation, Margin, ObjectiveValue, Proposal};
-use results::{Outcome, SavedCase, Violations};
-use scenario::{Case, Objective, Target, Tune, Value};
+use results::judge::comparison_untested_by;
+use results::{Outcome, SavedCase, UntestedConstraint, Violations};
+use scenario::{Case, Comparison, Objective, Target, Tune, Value};
 
 /// Cases of a candidate that may run ahead of the search for a violation. What comes after one is not counted, so that this
 /// number changes nothing but the time it takes.
 const AHEAD: usize = 8;
+
+/// How a candidate keeps the constraints.
+pub struct Kept {
+    /// In how many of its runs it violates one.
+    pub violations: Violations,
+    /// Those about which nothing was at stake.
+    pub untested: Vec<UntestedConstraint>,
+}
 
 /// One tune under way.
 pub struct TuneUnderWay<'a> {
@@ -90,6 +99,17 @@ impl TuneUnderWay<'_> {
     pub fn violations(&self, outcomes: &[Outcome]) -> Violations {
         let violated = outcomes.iter().filter(|outcome| self.violated(std::slice::from_ref(*outcome)));
         Violations { runs: violated.count(), of: outcomes.len() }
+    }
+
+    /// How the candidate of these runs keeps the constraints.
+    pub fn kept(&self, outcomes: &[Outcome]) -> Kept {
+        let all: Vec<_> = outcomes.iter().collect();
+        let untested = |(index, one): (usize, &Comparison)| {
+            let reason = comparison_untested_by(one, &all, self.evaluating.requests())?;
+            Some(UntestedConstraint { constraint: one.text(self.tune.constraint_in(index)), reason })
+        };
+        let constraints = self.tune.constraints.iter().enumerate();
+        Kept { violations: self.violations(outcomes), untested: constraints.filter_map(untested).collect() }
     }
 
     /// The set's cases with these settings: under the same seeds for every candidate, or `again` under others.
