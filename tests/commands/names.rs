@@ -154,3 +154,25 @@ fn all_of_them_are_listed_and_drawn_by_the_same_names() {
     let (exit, said) = run(folder.path(), &["sketch", BOTH[1], "b/zebra/s"]);
     assert_eq!(exit, 0, "{said}");
 }
+
+#[test]
+fn tunes_of_one_name_keep_a_journal_each_and_answer_as_alone() {
+    let folder = folder();
+    let path = folder.path();
+    let suite = "use \"../a/x.scn\"\nsuite zebra {\n  scenarios \"../a/x.scn\"\n}\n\
+                 tune t { on s; over p.model.speed in 2 m/s .. 3 m/s; minimise mean(time_lost); \
+                 budget 2 evaluations, 2 random first }\n";
+    BOTH.iter().for_each(|file| fs::write(path.join(file), suite).unwrap());
+    let tune = |name: &str, index: usize| -> Value {
+        let all: Value = serde_json::from_str(&fs::read_to_string(path.join(name)).unwrap()).unwrap();
+        all["suites"][index]["blocks"][0]["result"]["tune"].clone()
+    };
+    let (exit, said) = run(path, &[&BOTH[..], &["--json", "both.json", "--no-progress"]].concat());
+    assert_eq!(exit, 0, "{said}");
+    let journals = fs::read_dir(path.join(".scenario-runner/journal")).unwrap();
+    assert_eq!(journals.count(), 2, "{said}");
+    run(path, &[BOTH[1], "--json", "one.json", "--no-progress"]);
+    assert!(tune("one.json", 0)["chosen"].is_object());
+    assert_eq!(tune("one.json", 0), tune("both.json", 1));
+    assert_eq!(tune("one.json", 0), tune("both.json", 0));
+}

@@ -56,11 +56,11 @@ struct Answer {
 impl TuneUnderWay<'_> {
     fn run(&self) -> Result<TuneResult, ExperimentError> {
         let (suite, tune) = (self.context.suite, self.tune);
-        let name = format!("{}/{}", suite.name, tune.name);
+        let name = format!("{}/{}", suite.key_name(), tune.name);
         let goals = tune.objectives.iter().map(|objective| objective.direction).collect();
         let space = overrides::space(&tune.over)?;
         let first = self.evaluate_first()?;
-        let seed = derive_seed(suite.seed, &name);
+        let seed = derive_seed(suite.seed, suite.own_key(&name));
         let definition = definition(space, &tune.budget, goals, tune.constraints.len(), seed);
         let batch = tune.budget.batch as usize;
         let cases = self.cases.iter().map(|case| suite.own_key(&case.key));
