@@ -13,11 +13,12 @@ use sim::{GivenCommand, Happening, RunChange, Sample, TimelineEvent, Trace, brak
 const EARLIER: f64 = 0.5;
 /// How much later somebody would have come, s.
 const LATER: f64 = 0.2;
-/// The decelerations that are tried, in 0.01 m/s²: from 0 on each so much larger than the one before, to the largest; and between the first
-/// that is enough and the one before it, by halves.
-const DECELERATIONS: (usize, usize) = (50, 1000);
-/// m/s²
+/// To this the smallest deceleration that is enough is found, m/s².
 const UNIT: f64 = 0.01;
+/// Between two decelerations that are always tried, in units.
+const STEP: usize = 50;
+/// The largest deceleration that is tried, in units.
+const MOST: usize = 1000;
 
 /// The story of a run, with what would have come of it where it does not have all that `criteria` want of each run, or a vehicle touched
 /// something.
@@ -279,23 +280,18 @@ impl WhatIfs<'_> {
 
     /// Runs at decelerations, the smallest first: those that are always tried, and those that show the smallest that is enough to 0.01 m/s².
     fn decelerations(&self, change: impl Fn(f64) -> RunChange) -> Result<Vec<TriedDeceleration>, BatchError> {
-        let (step, most) = DECELERATIONS;
         let at = |number: usize| {
             let deceleration = number as f64 * UNIT;
             Ok::<_, BatchError>(TriedDeceleration { deceleration, run: self.run(&change(deceleration))? })
         };
-        let mut tried = (0..=most / step).map(|number| at(number * step)).collect::<Result<Vec<_>, _>>()?;
+        let mut tried = (0..=MOST / STEP).map(|number| at(number * STEP)).collect::<Result<Vec<_>, _>>()?;
         if let Some(first @ 1..) = tried.iter().position(|one| self.is_enough(&one.run)) {
-            let (mut low, mut high) = ((first - 1) * step, first * step);
+            let (mut low, mut high) = ((first - 1) * STEP, first * STEP);
             while high - low > 1 {
-                let middle = at((low + high) / 2)?;
-                let number = (low + high) / 2;
-                if self.is_enough(&middle.run) {
-                    high = number;
-                } else {
-                    low = number;
-                }
-                tried.push(middle);
+                let middle = (low + high) / 2;
+                tried.push(at(middle)?);
+                let is_enough = tried.last().is_some_and(|one| self.is_enough(&one.run));
+                *(if is_enough { &mut high } else { &mut low }) = middle;
             }
         }
         tried.sort_by(|one, other| one.deceleration.total_cmp(&other.deceleration));

@@ -168,9 +168,10 @@ fn refuse_near_weight(span: Span, table: &ReadTable, drawn: &str, report: &mut V
     // No farther: `height` is another thing.
     let is_meant = |name: &&str| {
         let name = name.to_lowercase();
-        name.trim_end_matches('s') == WEIGHT
-            || strsim::damerau_levenshtein(&name, WEIGHT) == 1 && name.len() != WEIGHT.len()
-            || is_swapped(&name)
+        let is_near = strsim::damerau_levenshtein(&name, WEIGHT) == 1;
+        // Two letters that have changed places count twice in the other distance.
+        let is_other_word = name.len() == WEIGHT.len() && strsim::levenshtein(&name, WEIGHT) == 1;
+        name.trim_end_matches('s') == WEIGHT || is_near && !is_other_word
     };
     if let Some(near) = others().find(is_meant) {
         report.push(
@@ -179,16 +180,6 @@ fn refuse_near_weight(span: Span, table: &ReadTable, drawn: &str, report: &mut V
                 .hint(format!("did you mean `{WEIGHT}`? Weights stand in a column of that name")),
         );
     }
-}
-
-/// Whether two letters of the column of weights have changed places.
-fn is_swapped(name: &str) -> bool {
-    let sorted = |text: &str| {
-        let mut letters: Vec<char> = text.chars().collect();
-        letters.sort_unstable();
-        letters
-    };
-    sorted(name) == sorted(WEIGHT) && strsim::damerau_levenshtein(name, WEIGHT) <= 1
 }
 
 /// `draw together from "exposure.csv"`, perhaps `without id, date`

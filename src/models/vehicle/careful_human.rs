@@ -4,7 +4,9 @@
 //! within 0.6 s. What counts as a risk is adapted here: a pedestrian on the road who is on a collision course, or the vehicle ahead, at a
 //! time to collision below 2 s or too near for the driver to stop later.
 
-use super::hazard::{Ramp, TIE, VehicleAhead, collision_course, keep_speed, lead, met_when_setting_off};
+use super::hazard::{
+    Ramp, TIE, VehicleAhead, collision_course, keep_speed, met_when_setting_off, vehicle_ahead,
+};
 use super::period::period;
 use super::red_light::{self, RedLight};
 use super::{CommandKind, ControllerContext, ControllerModel};
@@ -199,7 +201,7 @@ impl CarefulHuman {
                     || ahead.time_to_collision < self.risk_time - TIE
                     || self.anticipates && self.room_behind(&ahead, ego.speed) < -TIE)
         };
-        people || observation.vehicles.iter().filter_map(|seen| lead(ego, seen)).any(is_conflict)
+        people || observation.vehicles.iter().filter_map(|seen| vehicle_ahead(ego, seen)).any(is_conflict)
     }
 
     /// What is left (m) of the gap to the vehicle ahead if that brakes now as hard as the driver can, and the driver reacts to it.
@@ -222,7 +224,7 @@ impl CarefulHuman {
         };
         let too_near = |ahead: VehicleAhead| self.room_behind(&ahead, ego.speed) < NOT_PRESSING_ON;
         ego.speed == 0.0 && observation.pedestrians.iter().any(person)
-            || observation.vehicles.iter().filter_map(|seen| lead(ego, seen)).any(too_near)
+            || observation.vehicles.iter().filter_map(|seen| vehicle_ahead(ego, seen)).any(too_near)
     }
 
     fn on_the_road(&self, observation: &Observation, seen: &SeenPedestrian) -> bool {

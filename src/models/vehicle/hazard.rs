@@ -23,23 +23,14 @@ const NOT_CLOSING: f64 = 1e-9;
 /// pedestrian's footprint meet while the vehicle passes, both keeping their velocity. A vehicle that stands only
 /// meets those who are in the strip now.
 pub fn collision_course(ego: &EgoState, pedestrian: &SeenPedestrian, margin: f64) -> Option<Hazard> {
-    let radius = half_size(pedestrian.shape);
-    let (x, y) = (pedestrian.position.x, pedestrian.position.y);
-    let clear_behind = x + radius + ego.length / 2.0;
-    if clear_behind < -TIE {
-        return None;
-    }
-    let gap = (x - radius - ego.length / 2.0).max(0.0);
-    let half_width = ego.width / 2.0 + radius + margin;
+    let strip = Strip::before(ego, pedestrian, margin)?;
+    let gap = strip.gap;
     let closing = ego.speed - pedestrian.velocity.x;
     if closing <= NOT_CLOSING {
-        let inside = y.abs() <= half_width + TIE;
-        return inside.then_some(Hazard { gap, time_to_collision: f64::INFINITY });
+        return strip.has(pedestrian).then_some(Hazard { gap, time_to_collision: f64::INFINITY });
     }
-    let (arrives, leaves) = (gap / closing, clear_behind / closing);
-    let (first, last) = (y + pedestrian.velocity.y * arrives, y + pedestrian.velocity.y * leaves);
-    let meets = first.min(last) <= half_width + TIE && first.max(last) >= -half_width - TIE;
-    meets.then_some(Hazard { gap, time_to_collision: arrives })
+    let meets = strip.meets(pedestrian, |way| way / closing);
+    meets.then_some(Hazard { gap, time_to_collision: gap / closing })
 }
 
 /// Whether a pedestrian is in the swept strip of a vehicle that stands, widened by `margin` m on each side, or will be while the vehicle
@@ -50,19 +41,43 @@ pub fn met_when_setting_off(
     margin: f64,
     acceleration: f64,
 ) -> Option<f64> {
-    let radius = half_size(pedestrian.shape);
-    let (x, y) = (pedestrian.position.x, pedestrian.position.y);
-    let clear_behind = x + radius + ego.length / 2.0;
-    if clear_behind < 0.0 {
-        return None;
+    let strip = Strip::before(ego, pedestrian, margin)?;
+    let meets = strip.meets(pedestrian, |way| (2.0 * way / acceleration).sqrt());
+    (strip.has(pedestrian) || meets).then_some(strip.gap)
+}
+
+/// The strip that a vehicle sweeps, for the centre of a pedestrian whom its rear has yet to pass.
+struct Strip {
+    /// From the front bumper to the pedestrian's near edge, m; 0 when beside the vehicle.
+    gap: f64,
+    /// The way of the vehicle until its rear is past the pedestrian, m.
+    clear_after: f64,
+    /// m
+    half_width: f64,
+}
+
+impl Strip {
+    /// `None` of a pedestrian behind the vehicle.
+    fn before(ego: &EgoState, pedestrian: &SeenPedestrian, margin: f64) -> Option<Self> {
+        let (x, radius) = (pedestrian.position.x, half_size(pedestrian.shape));
+        let clear_after = x + radius + ego.length / 2.0;
+        (clear_after >= -TIE).then(|| Self {
+            gap: (x - radius - ego.length / 2.0).max(0.0),
+            clear_after: clear_after.max(0.0),
+            half_width: ego.width / 2.0 + radius + margin,
+        })
     }
-    let gap = (x - radius - ego.length / 2.0).max(0.0);
-    let half_width = ego.width / 2.0 + radius + margin;
-    let after = |way: f64| y + pedestrian.velocity.y * (2.0 * way / acceleration).sqrt();
-    let (first, last) = (after(gap), after(clear_behind));
-    let is_inside = y.abs() <= half_width + TIE;
-    let meets = first.min(last) <= half_width + TIE && first.max(last) >= -half_width - TIE;
-    (is_inside || meets).then_some(gap)
+
+    fn has(&self, pedestrian: &SeenPedestrian) -> bool {
+        pedestrian.position.y.abs() <= self.half_width + TIE
+    }
+
+    /// Whether a pedestrian is in the strip while the vehicle passes, which takes `duration` s for a way in m.
+    fn meets(&self, pedestrian: &SeenPedestrian, duration: impl Fn(f64) -> f64) -> bool {
+        let after = |way: f64| pedestrian.position.y + pedestrian.velocity.y * duration(way);
+        let (first, last) = (after(self.gap), after(self.clear_after));
+        first.min(last) <= self.half_width + TIE && first.max(last) >= -self.half_width - TIE
+    }
 }
 
 /// A vehicle ahead in the lane, or about to be, that stands or drives along it.
@@ -76,8 +91,8 @@ pub struct VehicleAhead {
     pub time_to_collision: f64,
 }
 
-/// The lead that another vehicle is if the strips that both sweep meet, both keeping their velocity.
-pub fn lead(ego: &EgoState, other: &SeenVehicle) -> Option<VehicleAhead> {
+/// Another vehicle as one ahead, if the strips that both sweep meet while both keep their velocity.
+pub fn vehicle_ahead(ego: &EgoState, other: &SeenVehicle) -> Option<VehicleAhead> {
     /// Below this it stands, whatever way noise lets it seem to move, m/s.
     const STANDS: f64 = 0.5;
     let (position, velocity) = (other.position, other.velocity);

@@ -79,8 +79,7 @@ pub trait EvaluateRound: Sync {
     }
 
     /// Whether a run that fails like this is left out of its evaluation, which is then of the others.
-    fn leaves_out(&self, error: &RunError) -> bool {
-        let _ = error;
+    fn leaves_out(&self, _error: &RunError) -> bool {
         false
     }
 

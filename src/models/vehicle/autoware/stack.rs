@@ -11,7 +11,7 @@ use super::site::{Ego, Site};
 use super::stop_position::{CrosswalkStop, StopConstants};
 use super::tracker::Tracker;
 use super::traffic_light::TrafficLight;
-use crate::vehicle::hazard::lead;
+use crate::vehicle::hazard::vehicle_ahead;
 use numbers::random::Stream;
 use scenario::Settings;
 use sim::{Command, Controller, ControllerError, Mode, Observation, Schedule};
@@ -242,7 +242,7 @@ impl Stack {
     /// The stop behind the vehicle ahead (s in m), where that would come to stand if it braked now.
     fn stop_behind(&self, observation: &Observation, ego: &Ego) -> Option<f64> {
         let constants = &self.constants;
-        let leads = observation.vehicles.iter().filter_map(|seen| lead(&observation.ego, seen));
+        let leads = observation.vehicles.iter().filter_map(|seen| vehicle_ahead(&observation.ego, seen));
         let way = leads.map(|ahead| {
             let speed = ahead.speed.max(0.0);
             ahead.gap + speed * speed / (2.0 * constants.lead_deceleration)

@@ -1,6 +1,6 @@
 //! Controllers that are blind to what is in their way: looked at before anything runs.
 
-use super::budget::at;
+use super::budget::{add_once, at};
 use crate::plan;
 use lang::{Code, Diagnostic, Sources};
 use scenario::{Attention, ControllerModel, LooksAt, Origin, Scenario, SignalConduct, Suite, World};
@@ -17,11 +17,7 @@ pub(super) fn examine_attention(suite: &Suite, sources: &Sources) -> Vec<Diagnos
         unseen.retain(|one| !one.is_of_other_road);
         let Some((first, others)) = unseen.split_first() else { continue };
         let finding = others.iter().fold(first.finding(sources), |finding, one| finding.note(&*one.words));
-        // What a template says of several scenarios is said once.
-        let same = |one: &Diagnostic| (one.span(), &one.message) == (finding.span(), &finding.message);
-        if !found.iter().any(same) {
-            found.push(finding);
-        }
+        add_once(&mut found, finding);
     }
     if let Some((first, others)) = of_other_roads.split_first() {
         let finding = first.finding(sources);
