@@ -39,7 +39,7 @@ pub struct EstimateResult {
     pub interval: Interval,
     /// On what the interval rests, in a sentence.
     pub assumption: String,
-    /// Standard deviation of the replicates, in their mean.
+    /// Standard deviation of the replicates, in their mean; with that of what they are divided by where encounters are left out.
     pub relative_deviation: f64,
     /// The probability is at most this, whatever the method did: one-sided, by the nominal runs alone.
     pub guaranteed: f64,

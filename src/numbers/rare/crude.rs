@@ -71,6 +71,7 @@ impl RareSampling for CrudeSampling {
             nominal_runs: outcomes.len() as u64,
             nominal_hits: hits.iter().map(|hit| hit.run).collect(),
             hits,
+            surplus: 0.0,
         });
     }
 

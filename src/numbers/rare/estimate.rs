@@ -39,9 +39,20 @@ pub struct ReplicateRuns {
     pub nominal_hits: Vec<usize>,
     /// Its runs with the event.
     pub hits: Vec<WeighedHit>,
+    /// By how much more of its nominal runs are of encounters that can be than of all replicates together, in their mean of these; 0 where
+    /// none is [left out](leaving_out).
+    pub surplus: f64,
 }
 
 impl ReplicateRuns {
+    /// What it adds to a ratio of means of this value, of which the probability is the numerator: the numerator and what it is divided by vary
+    /// from replicate to replicate. The mean over all replicates is the value.
+    ///
+    /// Source: W. G. Cochran, Sampling Techniques, 1977, section 6.3: the variance of a ratio by its linear part.
+    pub(super) fn of_ratio(&self, value: f64) -> f64 {
+        self.probability - value * self.surplus
+    }
+
     /// Of a part of the event alone, which the runs that it holds for (by their numbers) have: as unbiased as of the whole.
     pub fn only(&self, has: impl Fn(usize) -> bool) -> Self {
         let hits: Vec<WeighedHit> = self.hits.iter().filter(|hit| has(hit.run)).cloned().collect();
@@ -54,27 +65,32 @@ impl ReplicateRuns {
             nominal_runs: self.nominal_runs,
             nominal_hits: self.nominal_hits.iter().copied().filter(|run| has(*run)).collect(),
             hits,
+            surplus: self.surplus,
         }
     }
 }
 
-/// The same replicates of the encounters that there are: runs of these numbers, in order, are left out, since there is no such encounter.
-/// None of them has the event. How much of everything they are is known by the runs that are drawn as without a method.
+/// The same replicates of the encounters that can be: runs of these numbers, in order, are left out, and none of them has the event. What is
+/// left is divided by its share of everything, which the nominal runs tell.
 pub fn leaving_out(replicates: &[ReplicateRuns], left_out: &[usize]) -> Vec<ReplicateRuns> {
     let within = |first: usize, runs: u64| {
         let place = |run: usize| left_out.partition_point(|one| *one < run);
         (place(first + runs as usize) - place(first)) as u64
     };
+    let kept_of = |one: &ReplicateRuns| one.nominal_runs - within(one.first, one.nominal_runs);
     let drawn: u64 = replicates.iter().map(|one| one.nominal_runs).sum();
-    let left: u64 = replicates.iter().map(|one| within(one.first, one.nominal_runs)).sum();
-    let scale = if left < drawn { drawn as f64 / (drawn - left) as f64 } else { 1.0 };
+    let kept: u64 = replicates.iter().map(kept_of).sum();
+    let scale = if kept > 0 { drawn as f64 / kept as f64 } else { 1.0 };
+    let mean = kept as f64 / replicates.len() as f64;
     let one = |one: &ReplicateRuns| {
+        let surplus = kept_of(one) as f64 - one.nominal_runs as f64 / scale;
         let hit = |hit: &WeighedHit| WeighedHit { weight: hit.weight * scale, ..hit.clone() };
         ReplicateRuns {
             probability: one.probability * scale,
-            nominal_runs: one.nominal_runs - within(one.first, one.nominal_runs),
+            nominal_runs: kept_of(one),
             nominal_hits: one.nominal_hits.clone(),
             hits: one.hits.iter().map(hit).collect(),
+            surplus: if kept > 0 { surplus / mean } else { 0.0 },
             ..*one
         }
     };
@@ -131,7 +147,7 @@ pub struct RareEstimate {
     pub scale: RareScale,
     /// Of how many replicates.
     pub replicates: usize,
-    /// Standard deviation of the replicates, in their mean; 0 of a mean of 0.
+    /// Standard deviation of the replicates, in their mean, with that of what they are divided by where runs are left out; 0 of a mean of 0.
     pub relative_deviation: f64,
     /// So many hits of equal weight would say as much: (Σ w)² / Σ w²; where some of them were moved from one run, no more than would
     /// spread as the replicates do.
@@ -157,8 +173,8 @@ impl RareEstimate {
     pub fn of(space: &RareSpace, replicates: &[ReplicateRuns], scale: RareScale) -> Self {
         let count = replicates.len() as f64;
         let value = replicates.iter().map(|one| one.probability).sum::<f64>() / count;
-        let squares: f64 =
-            replicates.iter().map(|one| (one.probability - value) * (one.probability - value)).sum();
+        let apart = replicates.iter().map(|one| one.of_ratio(value) - value);
+        let squares: f64 = apart.map(|apart| apart * apart).sum();
         let deviation = if replicates.len() < 2 { f64::INFINITY } else { (squares / (count - 1.0)).sqrt() };
         let relative_deviation = if value > 0.0 { deviation / value } else { 0.0 };
         let weights = || replicates.iter().flat_map(weights_of);

@@ -144,6 +144,7 @@ impl RareSampling for ImportanceSampling {
             nominal_runs,
             nominal_hits,
             hits,
+            surplus: 0.0,
         });
     }
 

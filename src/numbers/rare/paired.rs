@@ -34,6 +34,8 @@ pub struct PairedRareEstimate {
     pub only_one: RareEstimate,
     /// Of both in each replicate.
     replicates: Vec<(f64, f64)>,
+    /// What each replicate adds to their difference.
+    differences: Vec<f64>,
 }
 
 /// Of which probability of two a refusal is.
@@ -63,19 +65,22 @@ impl PairedRareEstimate {
             replicates.iter().map(|one| one.only(|run| has(had(run)))).collect()
         };
         let part = |has| RareEstimate::of(space, &only(has), scale);
-        let (first, second) = (only(|had| had.first), only(|had| had.second));
+        let (firsts, seconds) = (only(|had| had.first), only(|had| had.second));
+        let (first, second) =
+            (RareEstimate::of(space, &firsts, scale), RareEstimate::of(space, &seconds, scale));
+        let both = || firsts.iter().zip(&seconds);
+        let difference = |(one, other): (&ReplicateRuns, &ReplicateRuns)| {
+            one.of_ratio(first.value) - other.of_ratio(second.value)
+        };
         Self {
             either: RareEstimate::of(space, replicates, scale),
             only_first: part(|had| had.first && !had.second),
             only_second: part(|had| had.second && !had.first),
             only_one: part(|had| had.first != had.second),
-            replicates: first
-                .iter()
-                .zip(&second)
-                .map(|(one, other)| (one.probability, other.probability))
-                .collect(),
-            first: RareEstimate::of(space, &first, scale),
-            second: RareEstimate::of(space, &second, scale),
+            replicates: both().map(|(one, other)| (one.probability, other.probability)).collect(),
+            differences: both().map(difference).collect(),
+            first,
+            second,
         }
     }
 
@@ -181,7 +186,7 @@ impl PairedRareEstimate {
         }
     }
 
-    /// Ratios ρ with which the mean of first − ρ · second over the replicates is less than Student's distance from 0, at one-sided
+    /// What both are divided by where runs are left out cancels. Ratios ρ with which the mean of first − ρ · second over the replicates is less than Student's distance from 0, at one-sided
     /// `confidence` at each end.
     ///
     /// Source: E. C. Fieller, J. R. Stat. Soc. B 16, 1954.
@@ -256,10 +261,9 @@ fn difference_end(of: &PairedRareEstimate, swapped: bool, confidence: f64) -> f6
         return guaranteed(more, less, confidence);
     }
     if of.has_many() {
-        let count = of.replicates.len() as f64;
-        let differences: Vec<f64> = of.replicates.iter().map(|(one, other)| one - other).collect();
-        let mean = differences.iter().sum::<f64>() / count;
-        let squares: f64 = differences.iter().map(|one| (one - mean) * (one - mean)).sum();
+        let count = of.differences.len() as f64;
+        let mean = of.differences.iter().sum::<f64>() / count;
+        let squares: f64 = of.differences.iter().map(|one| (one - mean) * (one - mean)).sum();
         let half = student_quantile(confidence, count - 1.0) * (squares / (count - 1.0) / count).sqrt();
         return if swapped { half - mean } else { half + mean };
     }
@@ -285,6 +289,7 @@ fn nominal_lower(one: &RareEstimate, confidence: f64) -> f64 {
 mod tests {
     use super::super::{
         CrudeSampling, ImportanceSampling, RareAxis, RareOutcome, RarePoint, RareSampling, SplittingSampling,
+        leaving_out,
     };
     use super::*;
     use crate::distributions::normal;
@@ -307,18 +312,33 @@ mod tests {
     }
 
     fn estimated(method: &mut dyn RareSampling, scale: RareScale, pair: &Pair) -> PairedRareEstimate {
-        let mut had = Vec::new();
+        estimated_of(method, scale, pair, |_| true)
+    }
+
+    /// Of the points that can be alone.
+    fn estimated_of(
+        method: &mut dyn RareSampling,
+        scale: RareScale,
+        pair: &Pair,
+        can_be: fn(&[f64]) -> bool,
+    ) -> PairedRareEstimate {
+        let (mut had, mut left_out) = (Vec::new(), Vec::new());
         while let Some(round) = method.ask() {
             let mut outcome = |one: &RarePoint| {
                 let z: Vec<f64> = one.point.iter().map(|share| normal::quantile(*share)).collect();
-                let (first, second) = ((pair.first)(&z), (pair.second)(&z));
+                let (first, second) = match can_be(&z) {
+                    true => ((pair.first)(&z), (pair.second)(&z)),
+                    false => (9.0, 9.0),
+                };
+                left_out.extend((!can_be(&z)).then_some(had.len()));
                 had.push(PairedEvent { first: first <= 0.0, second: second <= 0.0 });
                 RareOutcome { event: first <= 0.0 || second <= 0.0, score: first.min(second) }
             };
             let outcomes: Vec<_> = round.points.iter().map(&mut outcome).collect();
             method.tell(&outcomes);
         }
-        PairedRareEstimate::of(&space(), method.replicates(), scale, |run| had[run])
+        let replicates = leaving_out(method.replicates(), &left_out);
+        PairedRareEstimate::of(&space(), &replicates, scale, |run| had[run])
     }
 
     fn pairs() -> Vec<Pair> {
@@ -387,6 +407,34 @@ mod tests {
             assert!(guaranteed >= 34, "{}: {guaranteed} of 40", pair.name);
             assert!(refused <= 8, "{}: {refused} of 40 refused", pair.name);
         }
+    }
+
+    /// What is left out has nothing to do with either event, so that the truth is the same.
+    #[test]
+    fn differences_and_ratios_of_what_is_left_are_covered() {
+        let pair = Pair {
+            name: "three times as probable, half left out",
+            first: |z| 3.2 - z[0],
+            second: |z| 3.5 - z[0],
+            probabilities: (tail(3.2), tail(3.5)),
+        };
+        let (one, other) = pair.probabilities;
+        let (mut kept, mut covered) = (0, [0; 2]);
+        for repetition in 0..40_u64 {
+            let mut method = ImportanceSampling::new(space(), 4000, derive_seed(repetition, pair.name));
+            let found = estimated_of(&mut method, RareScale::Logarithmic, &pair, |z| z[1] > 0.0);
+            assert!(found.has_many(), "intervals are of the replicates");
+            if found.ratio_refusals().is_empty() {
+                kept += 1;
+                covered[0] += u64::from(found.difference_interval(0.95).contains(one - other));
+                covered[1] += u64::from(found.ratio_interval(0.95).contains(one / other));
+            }
+        }
+        let least = 0.93 - 3.0 * (0.93_f64 * 0.07 / f64::from(kept)).sqrt();
+        assert!(
+            kept >= 32 && covered.iter().all(|one| *one as f64 >= least * f64::from(kept)),
+            "{covered:?} of {kept}"
+        );
     }
 
     #[test]

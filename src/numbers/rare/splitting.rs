@@ -295,6 +295,7 @@ impl SplittingSampling {
             nominal_runs,
             nominal_hits,
             hits,
+            surplus: 0.0,
         });
         self.begin_replicate();
     }

@@ -75,6 +75,37 @@ fn what_is_left_out_is_no_part_of_what_a_probability_is_of() {
     assert!((0.07..0.13).contains(&values.0) && (1.9..2.1).contains(&(values.1 / values.0)), "{values:?}");
 }
 
+/// The half-space below the median of one direction cannot be: what is beyond `BETA` in that direction is twice as likely among the rest.
+#[test]
+fn what_is_left_out_of_weighed_runs_leaves_the_probability_of_the_rest() {
+    const BETA: f64 = 3.5;
+    let (truth, repetitions) = (2.0 * tail(BETA), 40);
+    for (by, budget) in [(IMPORTANCE, 4000), (SPLITTING, 90_000)] {
+        let (mut values, mut covered, mut kept) = (Vec::new(), 0, 0);
+        for repetition in 0..repetitions {
+            let space = space(2);
+            let mut method = (by.new)(space.clone(), budget, derive_seed(repetition, "left out"));
+            let (mut number, mut left_out) = (0, Vec::new());
+            told(method.as_mut(), |one, _| {
+                let along = space.place(&one.point).z[0];
+                left_out.extend((along < 0.0).then_some(number));
+                number += 1;
+                RareOutcome { event: along >= BETA, score: if along < 0.0 { 9.0 } else { BETA - along } }
+            });
+            let replicates = leaving_out(method.replicates(), &left_out);
+            let estimate = RareEstimate::of(&space, &replicates, RareScale::Logarithmic);
+            values.push(estimate.value);
+            if estimate.refusals.is_empty() {
+                kept += 1;
+                covered += u64::from(estimate.interval(0.95).contains(truth));
+            }
+        }
+        let (mean, error) = mean_and_error(&values);
+        assert!((mean - truth).abs() < 4.0 * error && error < 0.05 * truth, "{mean} ± {error}, not {truth}");
+        assert!(kept >= 30 && covered as f64 >= at_least(0.93, kept) * kept as f64, "{covered} of {kept}");
+    }
+}
+
 #[derive(Default, Debug)]
 struct Counted {
     refused: u64,
@@ -345,6 +376,7 @@ fn hits_of_one_lineage_are_no_many_hits() {
             nominal_runs: 200,
             nominal_hits: Vec::new(),
             hits: if replicate < 3 { (0..50).map(|run| hit(run, 7)).collect() } else { Vec::new() },
+            surplus: 0.0,
         })
         .collect();
     let estimate = RareEstimate::of(&space, &replicates, RareScale::Logarithmic);
