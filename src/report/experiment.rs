@@ -11,9 +11,7 @@ use super::shown_value::{WITHOUT_VALUE, digits, value};
 use super::statement::render_statement;
 use super::wording::untested_words;
 use optimise::Coordinate;
-use results::{
-    BlockResult, Candidate, CandidateOrigin, MetricSummary, TuneResult, UntestedConstraint, Violations,
-};
+use results::{BlockResult, Candidate, CandidateOrigin, MetricSummary, TuneResult, UntestedConstraint};
 use scenario::{ShownIn, Tune};
 
 /// A block's result in a few lines or a table.
@@ -65,10 +63,8 @@ pub fn render_tune(result: &TuneResult) -> String {
         };
         writeln!(text, "  front: {declared}{}", candidate(result, one)).expect(STRING);
     }
-    if let Some(Violations { runs, of }) = result.broken_on_fresh() {
-        let which = if result.chosen.is_some() { "the chosen candidate" } else { "a candidate on the front" };
-        writeln!(text, "  {which} breaks a constraint on the fresh seeds, in {runs} of {of} runs")
-            .expect(STRING);
+    if let Some(broken) = result.broken_on_fresh_words() {
+        writeln!(text, "  {broken}").expect(STRING);
     }
     for why in untested_constraints(result) {
         writeln!(text, "  {why}").expect(STRING);

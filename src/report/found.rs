@@ -7,7 +7,7 @@ use super::shown_value::{WITHOUT_VALUE, value};
 use super::usual::{render_usual, tail_text, who};
 use super::wording::{run_value, verdict_word};
 use numbers::summary::quantile;
-use results::{Finding, Found, JudgedRun, SearchResult};
+use results::{Finding, Found, JudgedRun, NO_ENCOUNTER, SearchResult};
 use scenario::{Goal, ShownIn};
 
 /// Up to this many people each have a line.
@@ -81,10 +81,9 @@ pub(super) fn said(finding: &Finding) -> String {
 /// How many runs of evaluations are left out, if any is.
 pub(super) fn left_out_words(result: &SearchResult) -> Option<String> {
     (result.left_out > 0).then(|| {
-        let runs = if result.left_out == 1 { "1 run is".into() } else { format!("{} runs are", result.left_out) };
-        format!(
-            "{runs} left out, since there is no such encounter: somebody appears inside another body, or would have to appear before the run begins"
-        )
+        let runs =
+            if result.left_out == 1 { "1 run is".into() } else { format!("{} runs are", result.left_out) };
+        format!("{runs} left out, since there is no such encounter: {NO_ENCOUNTER}")
     })
 }
 

@@ -13,10 +13,10 @@ use super::rating::{
     RatingTable, cells_in_words, points_in_words, points_rows, rating_mark, rating_notes, render_rating,
 };
 use super::wording::{
-    closest_calls, interruption, judged_words, nearest_run, not_as_declared, nothing_claimed, observed,
-    stopping, trial_warnings, untested, verdict_mark, verdict_word,
+    FOUND, closest_calls, interruption, judged_words, nearest_run, not_as_declared, nothing_claimed,
+    observed, recorded_remark, several_claims, stopping, trial_warnings, untested, verdict_mark,
+    verdict_word,
 };
-use super::wording::{recorded_remark, several_claims};
 use super::{Repository, expect_every_trial};
 use files::escape::{
     github_data, github_property, html, markdown, markdown_code, markdown_fenced, terminal_line,
@@ -286,21 +286,22 @@ fn suite_summary(text: &mut String, report: &SuiteReport, requests: &Requests) {
     let count = |wanted| standings.iter().filter(|standing| **standing == wanted).count();
     let runs: usize = report.trials.iter().map(TrialReport::made).sum();
     let counts = [
-        (count(Standing::Judged(Verdict::Passed)), "✅ passed"),
-        (count(Standing::Judged(Verdict::Failed)), "❌ failed"),
-        (count(Standing::Judged(Verdict::Inconclusive)), "❔ inconclusive"),
-        (count(Standing::NotJudged), "– not judged"),
-        (count(Standing::Found), "– found, not judged"),
-        (count(Standing::Errored), "💥 could not run"),
+        (count(Standing::Judged(Verdict::Passed)), "✅", "passed"),
+        (count(Standing::Judged(Verdict::Failed)), "❌", "failed"),
+        (count(Standing::Judged(Verdict::Inconclusive)), "❔", "inconclusive"),
+        (count(Standing::NotJudged), "–", "not judged"),
+        (count(Standing::Found), "–", FOUND),
+        (count(Standing::Errored), "💥", "could not run"),
         (
             standings.iter().filter(|standing| matches!(standing, Standing::NotFinished(_))).count(),
-            "⏹ not finished",
+            "⏹",
+            "not finished",
         ),
     ];
     let mut said: Vec<_> = counts
         .iter()
-        .filter(|(number, _)| *number > 0)
-        .map(|(number, word)| format!("{number} {word}"))
+        .filter(|(number, ..)| *number > 0)
+        .map(|(number, mark, word)| format!("{number} {mark} {word}"))
         .collect();
     let identity = &report.identity;
     if report.interrupted {

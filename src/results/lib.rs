@@ -93,7 +93,8 @@ pub use recording::{PairCourse, Recording};
 pub use requests::Requests;
 pub use resolve::UnknownMetric;
 pub use search::{
-    CoursePoint, Found, FrontPoint, JudgedRun, JudgedSearch, MetricCourse, SearchResult, UsualEncounters,
+    CoursePoint, Found, FrontPoint, JudgedRun, JudgedSearch, MetricCourse, NO_ENCOUNTER, SearchResult,
+    UsualEncounters,
 };
 pub use skip::{Skip, Stopping};
 pub use standing::Standing;

@@ -34,11 +34,14 @@ pub struct SearchResult {
     /// What the search expects of the runs that it kept; `None` of one that expects nothing.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub judged: Option<JudgedSearch>,
-    /// How many runs of its evaluations are left out, since there are no such encounters: a pedestrian appears inside another body, or would
-    /// have to appear before the run begins.
+    /// How many runs of its evaluations are left out, of [encounters that cannot be](NO_ENCOUNTER).
     #[serde(default, skip_serializing_if = "is_zero")]
     pub left_out: usize,
 }
+
+/// When an encounter cannot be, so that its run is left out.
+pub const NO_ENCOUNTER: &str =
+    "a pedestrian appears inside another body, or would have to appear before the run begins";
 
 /// What became of the expectations of a search.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

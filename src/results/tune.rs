@@ -114,6 +114,16 @@ impl TuneResult {
         broken.max_by_key(|one| one.runs).copied()
     }
 
+    /// That what is chosen breaks a constraint with fresh seeds, in a sentence.
+    pub fn broken_on_fresh_words(&self) -> Option<String> {
+        let Violations { runs, of } = self.broken_on_fresh()?;
+        let which = match self.chosen {
+            Some(_) => "the chosen candidate",
+            None => "a candidate on the front",
+        };
+        Some(format!("{which} breaks a constraint on the fresh seeds, in {runs} of {of} runs"))
+    }
+
     /// What has to be known of what is chosen: that it breaks a constraint somewhere.
     pub fn caveat(&self) -> Option<String> {
         let fresh = || {
@@ -144,12 +154,7 @@ impl TuneResult {
         if let Some(violations) = &self.violations {
             return Some(format!("what is chosen is {violations}"));
         }
-        let Violations { runs, of } = self.broken_on_fresh()?;
-        let which = match self.chosen {
-            Some(_) => "the chosen candidate",
-            None => "a candidate on the front",
-        };
-        Some(format!("{which} breaks a constraint on the fresh seeds, in {runs} of {of} runs"))
+        self.broken_on_fresh_words()
     }
 }
 

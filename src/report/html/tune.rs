@@ -145,19 +145,18 @@ impl<'a> Bench<'a> {
         if result.fresh_violations.is_empty() {
             return None;
         }
-        let which =
-            if result.chosen.is_some() { "the chosen candidate" } else { "every candidate on the front" };
-        Some(match result.broken_on_fresh() {
-            None => FreshSeeds {
-                passed: true,
-                text: format!("✓ On the fresh seeds {which} keeps every constraint, too."),
-            },
-            Some(Violations { runs, of }) => {
-                let which = which.replace("every", "a");
-                let text =
-                    format!("✗ On the fresh seeds {which} breaks a constraint, in {runs} of {of} runs.");
-                FreshSeeds { passed: false, text }
+        Some(match result.broken_on_fresh_words() {
+            None => {
+                let which = match result.chosen {
+                    Some(_) => "The chosen candidate",
+                    None => "Every candidate on the front",
+                };
+                FreshSeeds {
+                    passed: true,
+                    text: format!("✓ {which} keeps every constraint on the fresh seeds, too."),
+                }
             }
+            Some(broken) => FreshSeeds { passed: false, text: format!("✗ {}.", capitalised(&broken)) },
         })
     }
 

@@ -10,7 +10,7 @@ use crate::format::count;
 use crate::groups::{Group, groups};
 use crate::statement::render_statements;
 use crate::table::render_tables;
-use crate::wording::several_claims;
+use crate::wording::{FOUND, several_claims};
 use files::escape::{terminal, terminal_line};
 use results::{
     BlockReport, BlockResult, CutBy, Requests, Skip, Standing, StandingCount, StatementResult, SuiteIdentity,
@@ -268,7 +268,7 @@ impl Standings {
             (self.errored, "could not be run"),
             (self.timed_out + self.interrupted, "not finished"),
             (self.not_judged, "not judged"),
-            (self.found, "found, not judged"),
+            (self.found, FOUND),
             (self.not_run, "not run"),
         ];
         let numbers = numbers.iter().filter(|(number, _)| *number > 0);

@@ -6,7 +6,7 @@ use super::sampled::{CONFIDENCE, Hits, MOST_RUNS, Sampled, Told};
 use crate::experiment::context::Context;
 use crate::experiment::error::ExperimentError;
 use numbers::rare::{RareEstimate, RareSampling};
-use results::{ComparedEstimate, EstimateResult, EstimatedCluster, EventsPerDistance};
+use results::{ComparedEstimate, EstimateResult, EstimatedCluster, EventsPerDistance, NO_ENCOUNTER};
 use scenario::{Estimate, EstimateClaimOf, EstimateMethod};
 
 /// Weights of the tail that are kept.
@@ -134,8 +134,7 @@ fn warnings(
     }
     if !told.left_out.is_empty() {
         warnings.push(format!(
-            "{} of {} encounters are left out, since they cannot be: a pedestrian appears inside another body, or would have to appear before \
-             the run begins; the probability is of the others, and the interval leaves out how well their share is known",
+            "{} of {} encounters are left out, since they cannot be: {NO_ENCOUNTER}; the probability is of the others",
             told.left_out.len(),
             told.encounters()
         ));
