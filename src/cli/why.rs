@@ -18,7 +18,7 @@ use scenario::registry::Registry;
 ///
 /// Tells in ten to twenty lines who was shown whom when, what everybody did, how the run stands to each criterion and by how much. Of a
 /// run that speaks against a criterion, or in which a vehicle touched something, it also tells what would have come of it: with the
-/// vehicle braking 0.5 s earlier or decelerating evenly, with the person 0.2 s later, with nobody there. Each of these is a run of its own, in which
+/// vehicle braking 0.5 s earlier or decelerating evenly, with the person 0.2 s later, with no pedestrian there. Each of these is a run of its own, in which
 /// everybody reacts as they do on the same noise. Programs that decide in it run in each of them, with the permission that `replay`
 /// needs.
 #[derive(Debug, Args)]

@@ -508,7 +508,7 @@ codes! {
          criterion that names the box, such as `no collision(av, van)`, or with `tags blocked_lane`.";
     BlindController = "W0926", "a controller does not look at what is there",
         "Each controller declares what it looks at: people who cross, people who walk along its lane, vehicles ahead in it, signals, and vehicles \
-         of other roads. Where something of that is in its way and it looks elsewhere, what comes of the run says nothing of a driver who \
+         of other roads. Where something of that is in its way and it looks elsewhere, the run says nothing of a driver who \
          looks. Take a controller that looks at it, or say `ignores vehicles` in the vehicle's block if that is what the scenario is about. \
          Vehicles of other roads are warned of once a suite. Programs of one's own, and controllers that follow a speed or a script, are never \
          warned of.";

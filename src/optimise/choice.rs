@@ -33,7 +33,7 @@ pub struct WorseBy {
 
 impl WorseBy {
     /// By how much `one` is worse than `other`. Where chance leaves either without a value, nothing shows that the one is better.
-    pub fn of(one: Reevaluated, other: Reevaluated, chance: Chance) -> Self {
+    pub fn of(one: Reevaluated, other: Reevaluated, chance: SamplingError) -> Self {
         let size = one.seen.abs().max(other.seen.abs()).max(1.0);
         WorseBy {
             seen: one.seen - other.seen,
@@ -56,14 +56,14 @@ impl WorseBy {
 
 /// How much of a difference between two candidates chance explains.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Chance {
+pub struct SamplingError {
     /// By so much chance alone makes the one worse than the other, one-sided at 95 %.
     pub error: f64,
     /// Both have a value however the runs are drawn again.
     pub always_has_value: bool,
 }
 
-impl Chance {
+impl SamplingError {
     /// Draws runs again and looks how far the difference moves (bootstrap within the cases, Student's t).
     ///
     /// `pools` has for each run of the cases those of the same case, by number, at least two. The cases themselves are what they are. `is_same`
@@ -140,7 +140,7 @@ mod tests {
         error: f64,
     ) -> usize {
         let of = |index: usize| Reevaluated { seen: values[index].0, fresh: values[index].1 };
-        let chance = Chance { error, always_has_value: true };
+        let chance = SamplingError { error, always_has_value: true };
         let worse_by = |one, other| Ok::<_, Infallible>(WorseBy::of(of(one), of(other), chance));
         choose(predicted, best, declared, worse_by).unwrap()
     }
@@ -155,7 +155,7 @@ mod tests {
                 runs.iter().map(|run| values[*run]).sum::<f64>() / runs.len() as f64
             };
             let difference = |drawn: &[usize]| mean(&one, drawn) - mean(&other, drawn);
-            let chance = Chance::of(pools, *trial, |left, right| one[left] == one[right], difference);
+            let chance = SamplingError::of(pools, *trial, |left, right| one[left] == one[right], difference);
             let seen: Vec<usize> = (0..runs).collect();
             difference(&seen) > chance.error
         };
@@ -188,7 +188,7 @@ mod tests {
                 if run % all < 2 { [0.0, 1.0, 2.0, 4.0][run % all + run / all * 2] } else { 0.0 }
             };
             let sum = |drawn: &[usize]| drawn.iter().map(|run| value(*run)).sum::<f64>();
-            Chance::of(&pools(certain), 3, |left, right| value(left) == value(right), sum).error
+            SamplingError::of(&pools(certain), 3, |left, right| value(left) == value(right), sum).error
         };
         // The draws are others; the quantile of 2 degrees of freedom is 2.9, and of 42 it would be 1.7.
         assert!((0.8..1.25).contains(&(error(40) / error(0))), "{} and {}", error(40), error(0));
@@ -197,7 +197,8 @@ mod tests {
     #[test]
     fn without_a_value_nothing_is_better() {
         let pools = [vec![0, 1]];
-        let chance = Chance::of(&pools, 1, |left, right| left == right, |drawn| [1.0, f64::NAN][drawn[0]]);
+        let chance =
+            SamplingError::of(&pools, 1, |left, right| left == right, |drawn| [1.0, f64::NAN][drawn[0]]);
         assert!(!chance.always_has_value);
         let [one, other] = [-5.0, 0.0].map(|value| Reevaluated { seen: value, fresh: value });
         assert!(!WorseBy::of(one, other, chance).is_better());
@@ -220,7 +221,7 @@ mod tests {
     fn what_is_declared_stays_unless_something_is_better() {
         let flat = [(0.5, 0.5), (0.45, 0.45)];
         assert_eq!(chosen(&flat, 1, &[1, 0], Some(0), 0.1), 0);
-        // Luck on the runs that it was chosen on is no improvement.
+        // Luck on the runs that it was chosen on does not count as an improvement.
         assert_eq!(chosen(&[(0.5, 0.5), (0.1, 0.5)], 1, &[1, 0], Some(0), 0.1), 0);
         assert_eq!(chosen(&[(0.5, 0.5), (0.1, 0.1)], 1, &[1, 0], Some(0), 0.1), 1);
         // Nor is one within the noise, or that only other runs show.

@@ -57,7 +57,7 @@ pub struct Evaluation {
     pub margins: Vec<Margin>,
     /// How many independent repetitions the values are means of.
     pub repetitions: u32,
-    /// How much of it was left out, since there is no such thing to be evaluated.
+    /// How many of its parts were left out because they cannot be evaluated.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub left_out: u32,
 }

@@ -47,7 +47,7 @@ pub mod surrogate;
 mod tests;
 
 pub use acquisition::Acquisition;
-pub use choice::{Chance, Reevaluated, WorseBy, choose};
+pub use choice::{Reevaluated, SamplingError, WorseBy, choose};
 pub use definition::{Definition, Goal, ImprovementStop, InitialDesign, Method};
 pub use error::Error;
 pub use findings::{Fitted, Prediction, SlicePoint};

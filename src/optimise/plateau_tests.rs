@@ -84,7 +84,7 @@ impl Problem {
         let pools = vec![(0..RUNS).collect(); RUNS];
         let is_same = |left: usize, right: usize| one[left] == one[right] && other[left] == other[right];
         let difference = |drawn: &[usize]| over(&one, drawn) - over(&other, drawn);
-        WorseBy::of(of(&one), of(&other), Chance::of(&pools, seed, is_same, difference))
+        WorseBy::of(of(&one), of(&other), SamplingError::of(&pools, seed, is_same, difference))
     }
 }
 
@@ -144,7 +144,7 @@ fn the_answer_is_within_the_noise_of_the_best_and_nothing_flat_is_changed() {
         let seeds = 10;
         let [right, predicted, kept] = counts(problem, Method::Bayesian, 12, seeds);
         assert_eq!(right, seeds as usize, "{problem:?}");
-        // Without the check, too, now that rounding is no signal.
+        // Without the check, too, now that rounding is not taken for a signal.
         assert!(predicted + 1 >= seeds as usize, "{problem:?}: {predicted}");
         match (problem.stepped, problem.noisy) {
             (false, false) => assert_eq!(kept, seeds as usize, "{problem:?}"),

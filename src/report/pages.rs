@@ -77,7 +77,7 @@ fn signals(conduct: SignalConduct) -> String {
 fn attention(model: &ControllerModel) -> String {
     let looks_at = match model.attention {
         Attention::Scripted => return "It looks at nothing on the road.".to_string(),
-        Attention::Own => return "It is told of everything on the road and decides by itself.".to_string(),
+        Attention::Own => return "It gets everything on the road and decides by itself.".to_string(),
         Attention::Reacts(looks_at) => {
             model.declaration.resolve(&Settings::default()).map(|settings| looks_at(&settings))
         }

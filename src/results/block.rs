@@ -64,7 +64,7 @@ impl BlockReport {
         }
     }
 
-    /// Of a block that came to a result that is judged; `None` for others.
+    /// The verdict of a block with a result that is judged; `None` of other blocks.
     pub fn verdict(&self) -> Option<Verdict> {
         self.result().and_then(BlockResult::verdict)
     }

@@ -133,12 +133,12 @@ impl JudgedSearch {
 }
 
 impl SearchResult {
-    /// How many evaluations were made, for everybody.
+    /// The number of evaluations, of all people together.
     pub fn evaluations(&self) -> usize {
         self.found.iter().map(|found| found.evaluations.len()).sum()
     }
 
-    /// What it came to; `None` of one that found something and expects nothing.
+    /// Its verdict; `None` of a search that found something and expects nothing.
     pub(super) fn verdict(&self) -> Option<Verdict> {
         match &self.judged {
             _ if self.has_no_value() => Some(Verdict::Inconclusive),

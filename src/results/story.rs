@@ -86,7 +86,7 @@ pub enum Otherwise {
         vehicle: String,
         /// s
         from: Option<f64>,
-        /// Whether that is when it began to brake for what it touched, or for whom it is about; else it is when it was shown them.
+        /// Whether that is when the vehicle began to brake for the other party; else it is when the vehicle first saw it.
         is_first_braking: bool,
     },
     /// A pedestrian appears later.

@@ -141,15 +141,15 @@ fn strikes(trace: &Trace, one: usize, other: usize, time: f64) -> bool {
     one.velocity.dot(&way) > -other.velocity.dot(&way)
 }
 
-/// Whom a failure is about, by index.
+/// The road users that a failure is about, by index.
 #[derive(Debug, Clone, Copy, Default)]
 struct About {
     vehicle: Option<usize>,
-    /// Whom the vehicle met; `None` where it touched something else.
+    /// The pedestrian that the vehicle met; `None` where it touched something else.
     pedestrian: Option<usize>,
     /// The vehicle that it touched.
     touched: Option<usize>,
-    /// Whom else to ask about: the first where it is about none.
+    /// The pedestrian to vary: the first one where the failure is about none.
     anybody: Option<usize>,
 }
 
@@ -205,7 +205,7 @@ impl WhatIfs<'_> {
         }
     }
 
-    /// When a vehicle was first shown whom or what it is about, s.
+    /// When the vehicle first saw the other party, s.
     fn seen(&self, vehicle: usize, about: &About) -> Option<f64> {
         let world = &self.case.world;
         let car = &world.vehicles[vehicle];

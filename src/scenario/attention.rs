@@ -10,7 +10,7 @@ pub enum Attention {
     Scripted,
     /// It reacts to what it looks at, which may depend on its settings.
     Reacts(fn(&Settings) -> LooksAt),
-    /// It is told of everything around it and decides by itself.
+    /// It gets everything around it and decides by itself.
     Own,
 }
 

@@ -195,7 +195,7 @@ impl DeclaredProgram {
     }
 }
 
-/// A word that reads as one, as somebody would type it.
+/// A word that reads as one, as a user would type it.
 fn shown(word: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || "_-./=:,+@%".contains(c);
     if !word.is_empty() && word.chars().all(plain) { word.to_string() } else { shell_word(word) }

@@ -140,7 +140,7 @@ impl Control {
             waits: false,
             settling: Settling {
                 motion: Longitudinal { travelled: 0.0, speed: setup.speed_at_start(), acceleration: 0.0 },
-                // What has another speed at the start is no steady cruise that it could have settled to.
+                // A vehicle that starts at another speed does not cruise steadily, so that there is nothing to settle to.
                 steps: match setup.initial_speed {
                     None => (driven.driver.settling_time() / world.step).ceil() as u64,
                     Some(_) => 0,

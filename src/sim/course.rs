@@ -170,11 +170,11 @@ pub struct Course {
     contacts: Contacts,
     /// `None` in all runs but those of what would have been.
     postponed: Option<Postponed>,
-    /// Which vehicle decelerates until whom has left its lane.
+    /// The vehicle that decelerates, and the pedestrian until whose leaving of the lane it does.
     decelerates: Option<(usize, usize)>,
     /// Of the step under way.
     sightings: Vec<Sighting>,
-    /// Who has appeared at the beginning of the step under way.
+    /// The pedestrians that have appeared at the beginning of the present step.
     newcomers: Vec<usize>,
     steps: u64,
     /// The step under way.
@@ -430,8 +430,8 @@ impl Course {
         self.ask_vehicles(time, false)
     }
 
-    /// Refuses pedestrians who appear inside another body. What would have been may be anything: somebody who is postponed may well
-    /// appear where a vehicle is, which is a collision.
+    /// Refuses pedestrians that appear inside another body, unless the run is one in which a pedestrian appears later than in the run that it
+    /// is compared with: that pedestrian may appear where a vehicle is, which is a collision.
     ///
     /// # Errors
     /// The first of them.
@@ -446,7 +446,7 @@ impl Course {
         self.newcomers.iter().find_map(occupied).map_or(Ok(()), Err)
     }
 
-    /// Lets a vehicle decide for itself again once whom it decelerates for has left its lane.
+    /// Lets a vehicle decide for itself again once the pedestrian that it decelerates for has left its lane.
     fn release(&mut self) {
         let Some((vehicle, pedestrian)) = self.decelerates else { return };
         let car = (&self.now.vehicles[vehicle], &self.world.vehicles[vehicle]);

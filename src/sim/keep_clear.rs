@@ -1,10 +1,10 @@
-//! Who keeps clear walks through no box and no other person: a rule that holds whatever their model wants.
+//! Keeps people from walking through boxes and each other, whatever their models want.
 //!
-//! Between two bodies lies a line, of which each stays on its side: in the middle between two people, at the face of a box. A step that would
-//! lead over it is shortened across it and goes on along it. People evade each other to the right where they meet head on; behind
-//! somebody who walks the same way the step is shortened only. Around a box they go on the side on which its end is nearer, at their own
-//! pace, and their model decides as if they walked straight on. Where no such step is found, they stand. The lines are those of the moment
-//! at which everybody sets out, so that nobody's place among the others matters.
+//! Between two bodies lies a line, and each stays on its side of it: in the middle between two people, at the face of a box. A step that would
+//! lead over it is shortened across it and goes on along it. People evade each other to the right where they meet head on; behind a person
+//! that walks the same way the step is shortened only. Around a box a person goes on the side on which its end is nearer, at their own pace,
+//! and their model decides as if they walked straight on. Where no such step is found, the person stands. The lines are those of the beginning
+//! of the step, so that the order of the people does not matter.
 
 use nalgebra::Vector2;
 
@@ -24,22 +24,22 @@ const HEAD_ON: f64 = 0.2;
 /// As much of a step may lead over a line by rounding, m.
 const ROUNDING: f64 = 1e-12;
 
-/// Those of a world who keep clear, and of what.
+/// The people of a world that keep clear, and the boxes.
 pub(super) struct KeepClear {
-    /// How far each of them does, m.
-    who: Vec<Option<f64>>,
+    /// The gap that each person keeps, m; `None` of a person that does not keep clear.
+    gaps: Vec<Option<f64>>,
     boxes: Vec<Footprint>,
-    /// Where everybody would be after the step that their models want; of who is not there, nowhere.
+    /// Where each person would be after the step that their model wants; `None` of a person that is not on the road.
     wanted: Vec<Option<PedestrianState>>,
-    /// What the model of each pedestrian who steps around a box is shown.
+    /// What the model of each person that steps around a box sees instead.
     detours: Vec<Option<Detour>>,
     /// On which side each of them goes around each box while near it, one person after the other.
     sides: Vec<Option<Side>>,
-    /// Of the walker who is looked at.
+    /// The lines of the present walker.
     lines: Vec<Line>,
 }
 
-/// The side on which a box is passed, seen by who walks towards it.
+/// The side on which a box is passed, seen by the person that walks towards it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Side {
     Left,
@@ -55,7 +55,7 @@ impl Side {
     }
 }
 
-/// Somebody who steps around a box, as their model is to see them.
+/// A person that steps around a box, as their model sees them.
 #[derive(Debug, Clone, Copy)]
 struct Detour {
     /// Which way they would walk, a unit vector.
@@ -86,7 +86,7 @@ struct Line {
 /// What is on the other side of a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Of {
-    /// Somebody who walks with this velocity, m/s.
+    /// A person that walks with this velocity, m/s.
     Person(Vector2<f64>),
     Box {
         index: usize,
@@ -95,26 +95,26 @@ enum Of {
 }
 
 impl KeepClear {
-    /// `None` where nobody has anything to keep clear of.
+    /// `None` where there is nothing to keep clear of, or no person does.
     pub fn new(world: &World) -> Option<Self> {
-        let who: Vec<_> = world.pedestrians.iter().map(scenario::PedestrianSetup::keeps_clear).collect();
+        let gaps: Vec<_> = world.pedestrians.iter().map(scenario::PedestrianSetup::keeps_clear).collect();
         let boxes: Vec<Footprint> = world.road.boxes.iter().map(Footprint::from).collect();
-        let bodies = who.len().saturating_sub(1) + boxes.len();
-        (who.iter().any(Option::is_some) && bodies > 0).then(|| Self::of(who, boxes))
+        let bodies = gaps.len().saturating_sub(1) + boxes.len();
+        (gaps.iter().any(Option::is_some) && bodies > 0).then(|| Self::of(gaps, boxes))
     }
 
-    fn of(who: Vec<Option<f64>>, boxes: Vec<Footprint>) -> Self {
+    fn of(gaps: Vec<Option<f64>>, boxes: Vec<Footprint>) -> Self {
         Self {
-            wanted: vec![None; who.len()],
-            detours: vec![None; who.len()],
-            sides: vec![None; who.len() * boxes.len()],
-            lines: Vec::with_capacity(who.len().saturating_sub(1) + 2 * boxes.len()),
-            who,
+            wanted: vec![None; gaps.len()],
+            detours: vec![None; gaps.len()],
+            sides: vec![None; gaps.len() * boxes.len()],
+            lines: Vec::with_capacity(gaps.len().saturating_sub(1) + 2 * boxes.len()),
+            gaps,
             boxes,
         }
     }
 
-    /// How the model of somebody who steps around a box is shown them: as they would walk without it. `None` of everybody else.
+    /// How the model of a person that steps around a box sees them: as they would walk without it. `None` of other people.
     pub fn shown(&self, index: usize, now: &PedestrianState) -> Option<PedestrianState> {
         let detour = self.detours[index].as_ref()?;
         // Something else may have kept them from walking.
@@ -127,7 +127,7 @@ impl KeepClear {
         })
     }
 
-    /// Bends the motions of those who keep clear and would not. `walk` moves somebody by the whole of a step of `step` s.
+    /// Bends the motions that would not keep clear. `walk` moves a person by the whole of a step of `step` s.
     pub fn bend(
         &mut self,
         people: &[PedestrianState],
@@ -146,7 +146,7 @@ impl KeepClear {
         let ways = self.wanted.iter().flatten().zip(people.iter().filter(|one| one.present));
         let longest = ways.map(|(then, now)| (then.position - now.position).norm()).fold(0.0, f64::max);
         for index in 0..people.len() {
-            let (Some(wanted), Some(gap)) = (self.wanted[index], self.who[index]) else { continue };
+            let (Some(wanted), Some(gap)) = (self.wanted[index], self.gaps[index]) else { continue };
             let detour = self.detours[index];
             let (now, then) = (Footprint::from(&people[index]), Footprint::from(&wanted));
             if now == then || detour.is_some() && now.centre == then.centre {
@@ -170,7 +170,7 @@ impl KeepClear {
             self.detours[index] = match (side, detour) {
                 (Some(side), _) => Some(Detour { heading, pace, acceleration, side, is_blocked: true }),
                 (None, Some(before)) if before.is_blocked => {
-                    // The first step past the box: as wanted by who seemed to walk on.
+                    // The first step past the box: as the model wanted it that saw the person walk on.
                     if bent.is_none() {
                         motions[index] = Motion::Walk((then.centre - now.centre) / step);
                     }
@@ -181,7 +181,7 @@ impl KeepClear {
         }
     }
 
-    /// The lines of somebody who wants to go `way` (m) and keeps `gap` m, where nobody goes farther than `longest` m.
+    /// The lines of a person that wants to go `way` (m) and keeps `gap` m, where no person goes farther than `longest` m.
     fn find_lines(
         &mut self,
         index: usize,
@@ -243,7 +243,7 @@ fn row(boxes: &[Footprint], number: usize, width: f64) -> Vec<&Footprint> {
     row
 }
 
-/// The side on which somebody who wants to go `way` (m) passes a row of boxes: of one box where the way leads along its face, else where the
+/// The side on which a person that wants to go `way` (m) passes a row of boxes: of one box where the way leads along its face, else where the
 /// end of the row is nearer; the right if both are as near.
 fn nearer_end(walker: &Footprint, row: &[&Footprint], normal: Vector2<f64>, way: Vector2<f64>) -> Side {
     let is_left = match row {
@@ -275,7 +275,7 @@ fn right_of(normal: Vector2<f64>) -> Vector2<f64> {
     Vector2::new(normal.y, -normal.x)
 }
 
-/// The direction of the line between a walker and a body, and what lies between them along it, m; none if nobody gets that far by ways of at
+/// The direction of the line between a walker and a body, and what lies between them along it, m; none if no person gets that far by ways of at
 /// most `longest` m.
 fn line(walker: &Footprint, body: &Footprint, (longest, gap): (f64, f64)) -> Option<(Vector2<f64>, f64)> {
     let offset = body.centre - walker.centre;
@@ -286,7 +286,7 @@ fn line(walker: &Footprint, body: &Footprint, (longest, gap): (f64, f64)) -> Opt
     let mut try_one = |axis: Vector2<f64>| {
         let axis = if offset.dot(&axis) < 0.0 { -axis } else { axis };
         let between = offset.dot(&axis) - (walker.reach(axis) + body.reach(axis));
-        // The same for both of them, whoever is asked: also where two are equally far apart along several.
+        // The same for both of them: also where two are equally far apart along several.
         let order = between.total_cmp(&best).then(axis.x.abs().total_cmp(&normal.x.abs()));
         if order.then((axis.x * axis.y).total_cmp(&(normal.x * normal.y))).is_gt() {
             (best, normal) = (between, axis);
@@ -304,7 +304,7 @@ fn line(walker: &Footprint, body: &Footprint, (longest, gap): (f64, f64)) -> Opt
         (Shape::Disc { .. }, Shape::Rectangle { .. }) => Some(-body.nearest_to(walker.centre)),
         _ => None,
     };
-    // Two in the same place have no line between them; they part as they like.
+    // Two in the same place have no line between them and part as their models want.
     if let Some(axis) = nearest.and_then(|way| way.try_normalize(0.0)) {
         try_one(axis);
     }
@@ -326,7 +326,7 @@ impl Line {
         way.dot(&self.normal) + turn - self.room
     }
 
-    /// The step that is walked instead of `way`, which leads `much` over it, by who wants to go `wanted`, m.
+    /// The step that is walked instead of `way`, which leads `much` over it, by a person that wants to go `wanted`, m.
     fn bend(&self, way: Vector2<f64>, much: f64, wanted: Vector2<f64>) -> Vector2<f64> {
         let (shortened, right, length) = (way - self.normal * much, right_of(self.normal), wanted.norm());
         let way = match self.of {
@@ -377,7 +377,7 @@ mod tests {
 
     const STEP: f64 = 0.1;
 
-    /// Somebody with this shape at a place, who always walks towards another at this speed (m/s).
+    /// A person with this shape at a place that always walks towards another place at this speed (m/s).
     #[derive(Debug, Clone)]
     struct Walker {
         state: PedestrianState,
@@ -464,7 +464,7 @@ mod tests {
         #![proptest_config(ProptestConfig::with_cases(200))]
 
         #[test]
-        fn nobody_walks_into_anybody_or_anything(crowd in crowd(), boxes in obstacles()) {
+        fn people_walk_into_nothing(crowd in crowd(), boxes in obstacles()) {
             let start: Vec<_> = crowd.iter().map(|walker| walker.state).collect();
             prop_assume!(nearest(&start, &boxes) > 0.0);
             for states in run(&crowd, &boxes, 150) {
@@ -489,7 +489,7 @@ mod tests {
         }
 
         #[test]
-        fn whoever_meets_nobody_walks_as_alone(one in place(), far in 30.0..50.0) {
+        fn people_that_meet_no_other_walk_as_alone(one in place(), far in 30.0..50.0) {
             let disc = Shape::Disc { radius: 0.25 };
             let walker = Walker::new(disc, one, (-one.0, -one.1), 1.4);
             let other = Walker::new(disc, (far, far), (far + 5.0, far), 2.0);
@@ -518,9 +518,9 @@ mod tests {
         assert!(passing[0].position.x > 0.2 && passing[1].position.x < -0.2, "{passing:?}");
     }
 
-    /// Nobody overtakes who could only by leaving their own way.
+    /// A person that could overtake only by leaving their own way does not.
     #[test]
-    fn who_walks_behind_somebody_slower_follows() {
+    fn a_faster_person_behind_follows() {
         let disc = Shape::Disc { radius: 0.25 };
         let crowd = [
             Walker::new(disc, (0.0, -3.0), (0.0, 20.0), 1.8),
@@ -534,7 +534,7 @@ mod tests {
         assert!((apart - 0.7).abs() < 1e-3 && (last[0].velocity.y - 1.0).abs() < 0.1, "{last:?}");
     }
 
-    /// A gap straight ahead that is too narrow is no way, nor is one between boxes that stand one behind the other.
+    /// A gap straight ahead that is too narrow is not a way, and neither is one between boxes that stand one behind the other.
     #[test]
     fn boxes_without_a_way_between_them_are_walked_around_as_one() {
         let at = |x: f64, y: f64, length: f64, width: f64| Footprint {

@@ -44,7 +44,7 @@ fn are_inside_each_other(world: &World, state: &Snapshot, (first, second): (Soli
     both.is_some_and(|(one, other)| one.first_contact(&other, Vector2::zeros()).is_some())
 }
 
-/// The first body that a pedestrian who appears now is inside of.
+/// The first body that a pedestrian is inside of that appears now.
 pub(super) fn occupied_by(world: &World, state: &Snapshot, pedestrian: usize) -> Option<Solid> {
     let own = Solid::Pedestrian(pedestrian);
     let vehicles = (0..state.vehicles.len()).map(Solid::Vehicle);
@@ -53,7 +53,7 @@ pub(super) fn occupied_by(world: &World, state: &Snapshot, pedestrian: usize) ->
     vehicles.chain(others).chain(boxes).find(|other| are_inside_each_other(world, state, (own, *other)))
 }
 
-/// A pedestrian who waits for a time to arrival that is past when the run begins.
+/// A pedestrian that waits for a time to arrival that is past when the run begins.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PastArrival {
     /// Index into [`World::pedestrians`].
@@ -66,7 +66,7 @@ pub struct PastArrival {
     pub at_start: f64,
 }
 
-/// The first pedestrian who waits for a time to arrival that is past by more than `tolerance` (s) where the run begins like this.
+/// The first pedestrian that waits for a time to arrival that is past by more than `tolerance` (s) where the run begins like this.
 pub fn past_arrival(world: &World, start: &Snapshot, tolerance: f64) -> Option<PastArrival> {
     world.pedestrians.iter().enumerate().find_map(|(pedestrian, setup)| {
         let Appearance::TimeToArrival { vehicle, reference, time: wanted } = setup.appears else {

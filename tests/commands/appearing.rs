@@ -1,4 +1,4 @@
-//! People who would appear where there is no room, or would have had to before the run began: errors of their runs, and left out by blocks.
+//! Pedestrians that would appear where there is no room, or before the run begins: errors of their runs, and left out by blocks.
 
 use std::fs;
 use std::path::Path;
@@ -20,7 +20,7 @@ fn results(folder: &Path) -> Value {
 
 const RUN: [&str; 4] = ["a.scn", "--no-progress", "--json", "r.json"];
 
-/// A car is on the crossing from 4.775 s to 5.225 s; whoever is put into its lane then appears inside it.
+/// A car is on the crossing from 4.775 s to 5.225 s; a pedestrian that appears in its lane then is inside it.
 const IN_THE_CAR: &str = "scenario street {
   road { lane_width 4 m; speed_limit 50 km/h; crossing unmarked }
   vehicle av { controller constant_speed; size 4 m x 2 m; speed 10 m/s; start 50 m before crossing }
@@ -56,7 +56,7 @@ fn who_appears_inside_a_vehicle_is_an_error_of_the_run_and_no_collision() {
 }
 
 #[test]
-fn who_appears_inside_a_person_is_an_error_of_the_run() {
+fn appearing_inside_a_person_is_an_error_of_the_run() {
     let text = |late: &str| {
         format!(
             "scenario crowded {{
@@ -124,7 +124,7 @@ estimate hit {
     assert!((185.0..265.0).contains(&left_out) && warning.contains("encounters are left out"), "{warning}");
     assert!(said.contains("encounters are left out"), "{said}");
     assert!(said.contains(&format!("of {} runs that count", 1000.0 - left_out)), "{said}");
-    // All who come before the car's rear are hit.
+    // All that come before the car's rear are hit.
     let (value, nominal) = (estimate["value"].as_f64().unwrap(), estimate["nominal_runs"].as_f64().unwrap());
     assert_eq!(nominal, 1000.0 - left_out);
     assert_eq!(value, estimate["nominal_hits"].as_f64().unwrap() / nominal, "{estimate}");

@@ -172,7 +172,7 @@ fn edited_searches_and_tunes_are_refused() {
         let read = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
         let whole: Value = serde_json::from_str(&read("r.json")).unwrap();
         assert_eq!(report(folder.path(), &whole).0, Some(100));
-        // What is told later is what was told at once.
+        // The report that is made later is that of the run.
         scenario_runner(folder.path(), &["report", "r.json", "--tap", "report.tap"]);
         let told = |name| {
             read(name).lines().filter(|line| line.contains("pet")).map(String::from).collect::<Vec<_>>()

@@ -8,7 +8,7 @@ use tempfile::TempDir;
 
 use crate::support::program::{code, scenario_runner, stderr, stdout};
 
-/// Somebody stops in the lane, and the car does not brake.
+/// A pedestrian stops in the lane, and the car does not brake.
 const HIT: &str = "scenario hit {
   road { lane_width 3.5 m; speed_limit 50 km/h; crossing zebra }
   vehicle av { controller constant_speed; speed v; start 60 m before crossing }
@@ -99,7 +99,7 @@ fn without_any_value_nothing_was_found_and_nothing_passes() {
 
 #[test]
 fn what_was_never_put_to_the_test_is_said_and_can_be_denied() {
-    // The car is slow enough that nobody is met, and the distance between them has a value all the same.
+    // The car is slow enough to meet no pedestrian, and the distance between them has a value all the same.
     let kerb = HIT.replace("stop_after: 2.75 m", "stop_after: 0.5 m");
     let folder = place(&kerb, "expect { no collision }");
     let text = fs::read_to_string(folder.path().join("hit.scn")).unwrap();

@@ -14,7 +14,7 @@ const FAILS: &str = "scenario s {
 }
 ";
 
-/// Names of folders and files that mean something to a shell, or to somebody.
+/// Names of folders and files that mean something to a shell or to another reader.
 const NAMES: [&str; 12] = [
     "plain",
     "with space",

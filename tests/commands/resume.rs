@@ -92,7 +92,7 @@ fn survives(kind: &str, name: &str, seed: u64) {
             kills += 1;
             furthest = furthest.max(recorded(disturbed.path()));
         } else {
-            // It had come to its end, and a tune leaves its journal for a larger budget: the next one begins anew.
+            // It had ended, and a tune leaves its journal for a larger budget: the next one begins anew.
             assert_eq!(result(&output, disturbed.path()), expected);
             let _ = fs::remove_dir_all(disturbed.path().join(".scenario-runner/journal"));
         }

@@ -8,7 +8,7 @@ use tempfile::TempDir;
 
 use crate::support::program::{code, scenario_runner, stderr, stdout};
 
-/// Somebody walks on whatever comes; the car brakes where it comes within its distance. With noise, or without.
+/// The pedestrian walks on whatever comes; the car brakes where it comes within its distance. With noise, or without.
 fn street(perceived: &str) -> String {
     format!(
         "road street {{ lanes forward, backward; lane_width 3.5 m; speed_limit 50 km/h; crossing zebra }}
@@ -62,7 +62,7 @@ fn best(tune: &Value) -> f64 {
     feasible.map(objective).fold(f64::INFINITY, f64::min)
 }
 
-/// Whoever brakes late loses nothing, so that most candidates are on a plateau, whose values differ in their last bits.
+/// A car that brakes late loses no time, so that most candidates are on a plateau, whose values differ in their last bits.
 #[test]
 fn on_a_plateau_the_answer_is_as_good_as_the_best_that_was_seen() {
     let tune = "tune late { on walks; over av.controller.braking_distance in 1 m .. 60 m; \
@@ -98,7 +98,7 @@ fn nothing_better_than_what_is_declared_is_said_and_passes() {
     assert!(saved.contains("let av_controller_braking_distance = 8 m"), "{saved}");
 }
 
-/// What is declared is a value of its own in every trial, so that it is no point of the space.
+/// Every trial declares a value of its own, so that what is declared is not a point of the space.
 #[test]
 fn declared_values_that_vary_are_a_candidate_too() {
     let varied = street("")
@@ -174,7 +174,7 @@ fn a_result_that_breaks_a_constraint_with_fresh_seeds_is_not_passed() {
 fn without_any_value_a_tune_says_only_that() {
     let tune = "tune nothing { on walks; over av.controller.braking_distance in 10 m .. 20 m; \
                 minimise mean(pet); budget 3 evaluations, 3 random first }";
-    // Everybody stops at the kerb.
+    // The pedestrian stops at the kerb.
     let text = street("").replace("speed: 1.4 m/s", "speed: 1.4 m/s, stop_after: 0.5 m");
     let (result, said, exit) = Place::new(&(text + tune)).tune("nothing");
     assert_eq!((exit, &result["chosen"]), (100, &Value::Null), "{said}");
@@ -262,7 +262,7 @@ fn a_constraint_is_kept_where_what_it_bounds_never_arose() {
     assert_eq!(tune["fresh_violations"][0]["runs"], 0);
 }
 
-/// Everybody stays at the kerb: every candidate keeps every constraint, and nothing says that it would.
+/// The pedestrian stays at the kerb: every candidate keeps every constraint, and nothing shows that it would with a pedestrian in its way.
 #[test]
 fn a_constraint_that_nothing_put_to_the_test_is_said_and_can_be_denied() {
     let tune = |people: &str, constraint: &str| {
@@ -282,13 +282,13 @@ fn a_constraint_that_nothing_put_to_the_test_is_said_and_can_be_denied() {
         first
     };
     for constraint in ["impact_speed <= 3 m/s", "no collision", "pet >= 1 s undefined passes"] {
-        let nobody = tune("speed: 1.4 m/s, stop_after: 0.5 m", constraint);
-        let (result, said, exit) = nobody.tune("far");
+        let unmet = tune("speed: 1.4 m/s, stop_after: 0.5 m", constraint);
+        let (result, said, exit) = unmet.tune("far");
         assert_eq!((exit, result["untested"][0]["reason"]["reason"].as_str()), (0, Some("pairs")), "{said}");
         let why = "untested: with fresh seeds `walker` did not come into the way of `av`";
         assert!(said.contains(why), "{said}");
-        assert_eq!(denied(&nobody), 102, "{constraint}");
-        let page = fs::read_to_string(nobody.path().join("all.html")).unwrap();
+        assert_eq!(denied(&unmet), 102, "{constraint}");
+        let page = fs::read_to_string(unmet.path().join("all.html")).unwrap();
         assert!(page.contains("kept untested"), "{constraint}");
     }
     let met = tune("speed: 1.4 m/s", "impact_speed <= 3 m/s");

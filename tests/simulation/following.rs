@@ -56,7 +56,7 @@ fn course(users: &str) -> Course {
     course
 }
 
-/// Somebody who crosses far behind everything, late.
+/// A pedestrian that crosses far behind everything, late.
 const NOBODY: &str = "pedestrian p { model scripted; start 2 m from kerb; along -80 m; appears at 59 s }";
 
 proptest! {
@@ -127,7 +127,7 @@ proptest! {
     }
 }
 
-/// With nobody ahead the driver is the same whether it follows vehicles or not, with all its noise.
+/// Without a vehicle ahead the driver is the same whether it follows vehicles or not, with all its noise.
 #[test]
 fn following_draws_nothing() {
     let drive = |follows: bool| {
@@ -140,7 +140,7 @@ fn following_draws_nothing() {
     assert!(drive(true).places == drive(false).places);
 }
 
-/// The driver who is blind to vehicles is as published: it drives into what stands there.
+/// The driver that is blind to vehicles is as published: it drives into what stands there.
 #[test]
 fn who_does_not_follow_drives_into_it() {
     let drive = |follows: bool| {
@@ -165,7 +165,7 @@ fn every_controller_that_reacts_is_looked_at() {
     }
 }
 
-/// Whoever waits at red does not set off into somebody who is in its lane, or about to be, when green comes.
+/// A vehicle that waits at red does not set off into a pedestrian in its lane, or about to be there, when green comes.
 #[test]
 fn a_careful_driver_does_not_set_off_into_somebody() {
     for pace in [0.2, 0.25, 0.3, 0.4, 0.6] {

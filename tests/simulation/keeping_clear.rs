@@ -126,7 +126,7 @@ proptest! {
         }
     }
 
-    /// Whoever reacts, and whoever is told to keep clear, steps around a box at their own pace: within 30 s they are on the other side.
+    /// People that react or keep clear step around a box at their own pace: within 30 s they are on the other side.
     #[test]
     fn any_box_is_passed(
         (along, across) in (-4.0..4.0, -7.0..9.0), (length, width) in (0.3..9.0, 0.3..3.0), before in 0.5..3.0, near: bool, round: bool, seed: u64,
@@ -134,7 +134,7 @@ proptest! {
         let place: Place = (0.0, near, before);
         for name in standard().pedestrians().names().filter(|name| *name != "interceptor") {
             let mut one = somebody(0, clear(name, 0), place);
-            // As fast as others, and without a wait that is no matter of the box.
+            // As fast as others, and without a wait that has nothing to do with the box.
             for (of, setting, value) in [("social_force", "desired_speed", 1.4), ("carla_walker", "kerb_wait", 0.0)] {
                 if of == name {
                     one.model.settings.0.insert(setting.into(), Value::Number(value));
@@ -148,7 +148,7 @@ proptest! {
                 let beyond = |distance: f64, half: f64| (distance.abs() - half).max(0.0);
                 libm::hypot(beyond(along, length / 2.0), beyond(y - across, width / 2.0))
             };
-            // Nobody starts in it or wants to go into it.
+            // No person starts in it or wants to go into it.
             prop_assume!(gap(one.start.y) > 0.4 && gap(one.goal.y) > 0.5);
             let mut world = among(vec![one], None);
             world.road.boxes.push(body);

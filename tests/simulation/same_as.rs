@@ -35,7 +35,7 @@ fn cases(plan: &Plan) -> Vec<Case> {
     plan.trials().flat_map(|trial| trial.cases.iter().collect::<Vec<_>>()).collect()
 }
 
-/// What a driver is told that a person is not.
+/// What a driver gets and a person does not.
 const OF_DRIVERS: [&str; 2] = ["same_as", "follows_vehicles"];
 
 #[test]

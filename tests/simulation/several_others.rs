@@ -434,7 +434,7 @@ fn a_commotions_driver_minds_those_who_matter_and_nobody_else() {
     let passed = |course: &Course| course.passed.unwrap_or(30.0);
     let (mean, error) = mean(&alone.iter().map(passed).collect::<Vec<_>>());
     println!("alone, passed after {mean:.3} ± {error:.3} s");
-    // One who is behind it: not one bit.
+    // A pedestrian behind it: not one bit.
     let among = drive(8, &[(0.5, -120.0, -4.0, 8.0)]);
     assert!(alone.iter().step_by(8).zip(&among).all(|(one, other)| same_bits(one, other, "av")));
     for (what, other) in [("far ahead", (0.5, 1200.0, -4.0, 8.0)), ("walking away", (0.0, 0.0, 6.0, 30.0))] {

@@ -1,5 +1,5 @@
 //! What rounding must not decide: with noise of a nanometre, in a bend of 10 km, mirrored and moved along, a run has the same events, each
-//! within a step of the simulation, though speeds and places are whole numbers, at which controllers come to their thresholds exactly.
+//! within a step of the simulation, though speeds and places are whole numbers, at which controllers meet their thresholds exactly.
 
 use std::collections::BTreeMap;
 
@@ -13,7 +13,7 @@ use crate::support::text::planned;
 const DETERMINISTIC: [&str; 6] =
     ["autoware", "careful_human", "idm_aeb", "idm_aes", "yielding", "yielding { requires_priority: false }"];
 
-/// A street: what its road says of its course and its lanes, and the sides of the car and of who walks.
+/// A street: the course and lanes of its road, and the sides of the car and of the pedestrian.
 #[derive(Clone, Copy)]
 struct Street {
     path: &'static str,
@@ -74,7 +74,7 @@ fn events(controller: &str, street: &Street, meeting: &Meeting) -> Vec<TimelineE
 /// Of the simulation, s.
 const STEP: f64 = 0.025;
 
-/// When what happens to whom, s.
+/// The times of every kind of event of every road user, s.
 fn moments(events: &[TimelineEvent]) -> BTreeMap<String, Vec<f64>> {
     let mut found: BTreeMap<String, Vec<f64>> = BTreeMap::new();
     for event in events {
@@ -128,7 +128,7 @@ proptest! {
     }
 }
 
-/// At 36 km/h a quarter of a metre is driven in a step, so that a time to collision of a second is come to exactly.
+/// At 36 km/h a quarter of a metre is driven in a step, so that the time to collision is a second exactly.
 #[test]
 fn a_trigger_that_is_met_exactly_is_met_with_noise_as_well() {
     for from_kerb in 1..=3 {

@@ -103,7 +103,7 @@ fn speaking_against(suite: &PlannedSuite, report: &SuiteReport, requests: &Reque
             || trial.standing() == Standing::NotFinished(CutBy::GateFailed)
     });
     let against = failed.flat_map(|(place, trial)| runs_against(&suite.plan.trial(place), trial, requests));
-    // The file lies beside the suite: what else was run is no part of a name in it.
+    // The file lies beside the suite: its names do not depend on what else was run.
     against.map(|one| Recorded { key: suite.suite.own_key(&one.key).to_string(), ..one }).collect()
 }
 

@@ -87,7 +87,7 @@ pub fn target(
             node.span(),
             format!("there is no `{}` in scenario `{}`", node.text(), scenario.name),
         )
-        .label(if known { "has no such part" } else { "nobody of this name" });
+        .label(if known { "has no such part" } else { "no road user of this name" });
         report.push(if known {
             diagnostic.hint("vehicles have `controller`, `dynamics` and `sees`, pedestrians `model`")
         } else {

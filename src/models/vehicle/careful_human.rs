@@ -213,7 +213,7 @@ impl CarefulHuman {
         ahead.gap - self.standstill_gap - own + others
     }
 
-    /// Whether the driver leaves the speed as it is, since somebody or something is before the vehicle: from standstill people who are in
+    /// Whether the driver leaves the speed as it is, since something is before the vehicle: from standstill people who are in
     /// its strip or will be, near enough that it would have to brake for them before it is at its wanted speed; always the vehicle ahead.
     fn holds(&self, observation: &Observation) -> bool {
         let ego = &observation.ego;

@@ -1,10 +1,10 @@
-//! Who is in the way of a vehicle: pedestrians on a collision course at constant velocities.
+//! Pedestrians and vehicles in the way of a vehicle: on a collision course at constant velocities.
 
 use scenario::{CROSSES, Shape};
 use sim::{EgoState, SeenPedestrian, SeenVehicle};
 
-/// Two numbers (m, s, m/s, m/s²) of which one is to be above the other count as equal if they are no farther apart than this: whole speeds and
-/// places come to thresholds exactly, and rounding is not to decide then.
+/// Two numbers (m, s, m/s, m/s²) that are compared count as equal if they differ by at most this: whole speeds and places meet thresholds
+/// exactly, and rounding must not decide then.
 pub const TIE: f64 = 1e-6;
 
 /// A pedestrian on a collision course.
@@ -16,12 +16,12 @@ pub struct Hazard {
     pub time_to_collision: f64,
 }
 
-/// Who comes nearer to a standing vehicle no faster than this (m/s) walks past it: at a right angle that is a matter of rounding.
+/// A pedestrian that approaches a standing vehicle at most this fast (m/s) walks past it: at a right angle that speed is rounding.
 const NOT_CLOSING: f64 = 1e-9;
 
 /// The hazard that a pedestrian is if the vehicle's swept strip, widened by `margin` m on each side, and the
-/// pedestrian's footprint meet while the vehicle passes, both keeping their velocity. A vehicle that stands only
-/// meets those who are in the strip now.
+/// pedestrian's footprint meet while the vehicle passes, both keeping their velocity. A vehicle that stands
+/// meets pedestrians that are in the strip now alone.
 pub fn collision_course(ego: &EgoState, pedestrian: &SeenPedestrian, margin: f64) -> Option<Hazard> {
     let strip = Strip::before(ego, pedestrian, margin)?;
     let gap = strip.gap;
@@ -46,7 +46,7 @@ pub fn met_when_setting_off(
     (strip.has(pedestrian) || meets).then_some(strip.gap)
 }
 
-/// The strip that a vehicle sweeps, for the centre of a pedestrian whom its rear has yet to pass.
+/// The strip that a vehicle sweeps, widened by the size of a pedestrian that its rear has yet to pass.
 struct Strip {
     /// From the front bumper to the pedestrian's near edge, m; 0 when beside the vehicle.
     gap: f64,

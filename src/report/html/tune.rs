@@ -270,7 +270,7 @@ impl<'a> Bench<'a> {
         }
     }
 
-    /// What became of a candidate, and who proposed it unless that was the method.
+    /// The state of a candidate, and its source unless that is the method.
     fn state(&self, index: usize, candidate: &Candidate) -> String {
         let state = match self.mark(index, candidate) {
             PointMark::Best if !candidate.feasible => "chosen, infeasible",

@@ -144,7 +144,7 @@ fn wrong_tune(tune: &TuneResult) -> Option<String> {
     }
     let answers: Vec<_> = tune.chosen.iter().chain(&tune.pareto).collect();
     if !answers.iter().all(|one| tune.evaluations.contains(one)) {
-        return Some("what is chosen is no candidate of it".to_string());
+        return Some("its choice is not one of its candidates".to_string());
     }
     let is_declared_broken = tune.violations.is_some_and(|violations| violations.runs > 0);
     if !is_declared_broken && answers.iter().any(|one| !one.feasible) {

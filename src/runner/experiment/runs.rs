@@ -30,7 +30,7 @@ impl Context<'_> {
         batch.outcomes_keeping(&self.first_runs, number, cases.iter().cloned(), || ()).map_err(failed)
     }
 
-    /// As [`Self::run_reading`]; `None` of a case in which somebody appears where there is no room, or would have to appear before the run
+    /// As [`Self::run_reading`]; `None` of a case in which a pedestrian appears where there is no room, or would have to appear before the run
     /// begins.
     pub(super) fn run_leaving_out(
         &self,

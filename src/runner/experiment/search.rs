@@ -382,7 +382,7 @@ impl Under<'_> {
         found
     }
 
-    /// What came of cases, without those in which there is no encounter.
+    /// The outcomes of cases, without those whose encounter cannot be.
     fn run_leaving_out(&self, cases: &[Case]) -> Result<Vec<Option<Outcome>>, ExperimentError> {
         self.context.run_leaving_out(&self.context.measured, 1, cases)
     }

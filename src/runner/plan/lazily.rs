@@ -266,7 +266,7 @@ impl ScenarioPlan {
         self.planned(index, Part::Whole).expect("it was planned before")
     }
 
-    /// Whether everybody in the runs of a scenario that draws appears when it is said.
+    /// Checks that all pedestrians of a scenario that draws appear at the times that are written.
     fn check_drawn(&self) -> Result<(), PlanError> {
         let each = self.runs();
         let case = |run: usize| self.trial(run / each).cases.get(run % each);
@@ -629,7 +629,7 @@ impl Planned {
 /// A world of a scenario where the variations have these values, with these people in it.
 type Resolve = fn(&Scenario, &Variables, &[Individual]) -> Result<World, PlanError>;
 
-/// As [`setup::world`], in which everybody appears when it is said.
+/// As [`setup::world`], for a world whose pedestrians appear at the times that are written.
 fn world_to_begin(
     scenario: &Scenario,
     variables: &Variables,

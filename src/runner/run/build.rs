@@ -39,10 +39,10 @@ pub enum RunError {
         /// Why, with numbers of the scenario.
         error: ModelError,
     },
-    /// There is no such encounter: somebody appears inside another body, or would have had to appear before the run began.
+    /// The encounter cannot be: a pedestrian appears inside another body, or would have to appear before the run begins.
     #[error("{message}")]
     NoEncounter {
-        /// Who, inside of what and when, or which time to arrival and how large it is at the start.
+        /// The pedestrian, the body and the moment; or the time to arrival, and how large it is at the start.
         message: String,
         /// What to write instead.
         hint: String,
@@ -113,7 +113,7 @@ impl RunError {
         }
     }
 
-    /// Whether nothing is wrong but where and when somebody was to appear: searches and estimates leave such runs out.
+    /// Whether nothing is wrong but the place or time at which a pedestrian appears: searches and estimates leave such runs out.
     pub fn is_no_encounter(&self) -> bool {
         matches!(self, Self::NoEncounter { .. })
     }
@@ -142,7 +142,7 @@ impl RunError {
     }
 }
 
-/// Who appears inside of what, and when.
+/// Names the pedestrian, the body that it appears inside of, and the moment.
 fn occupied(world: &World, pedestrian: usize, by: Solid, time: f64) -> String {
     let person = &world.pedestrians[pedestrian];
     let what = match by {

@@ -19,7 +19,7 @@ pub enum Usable {
         /// In the order of the trial.
         runs: Vec<(Case, Outcome)>,
     },
-    /// A block that came to a result that others can build on.
+    /// A block with a result that others can build on.
     Block {
         /// As the suite calls it.
         name: String,

@@ -158,7 +158,7 @@ fn a_place_that_is_occupied_when_somebody_appears_is_a_fault() {
     in_the_car.pedestrians[0].appears = Appearance::At(6.0);
     assert_eq!(run(&in_the_car, 1.0).0.reason, StopReason::Completed);
 
-    // Who walks at 1 m/s is 1 m on after 1 s, where somebody else is to appear; 2 s later nobody is there.
+    // The first walks at 1 m/s and is 1 m on after 1 s, where the second appears; 2 s later the place is free.
     let mut crowded = world(10.0, VehicleStart::Distance(100.0), Appearance::At(0.0));
     let mut second = crowded.pedestrians[0].clone();
     (second.name, second.start.y, second.appears) = ("second".into(), -3.0, Appearance::At(1.0));

@@ -95,7 +95,7 @@ pub static SUITE: BlockEntry = BlockEntry {
             "test",
             Rule::tested,
             "test carla_behavior { braking_distance: 8 m } as av` or `test carla_behavior as av where present",
-            "A controller in the place of that of every vehicle of this name, which every scenario has unless it says `where present`.",
+            "The controller of every vehicle of this name, instead of the one that its scenario names. Every scenario has such a vehicle unless it says `where present`.",
         )
         .key("test", YamlShape::Tested)
         .repeats(),

@@ -239,7 +239,7 @@ impl Stack {
             .reduce(f64::min)
     }
 
-    /// The stop behind the vehicle ahead (s in m), where that would come to stand if it braked now.
+    /// The stop behind the vehicle ahead (s in m), where that vehicle would stop if it braked now.
     fn stop_behind(&self, observation: &Observation, ego: &Ego) -> Option<f64> {
         let constants = &self.constants;
         let leads = observation.vehicles.iter().filter_map(|seen| vehicle_ahead(&observation.ego, seen));

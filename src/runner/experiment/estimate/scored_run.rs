@@ -16,7 +16,7 @@ pub struct ScoredRun {
     pub cut_off: bool,
     /// Whether anything that the event is about was at stake.
     pub encounter: bool,
-    /// Whether there is no such run, or none in the same encounter: it is no part of what the probability is of.
+    /// Whether the encounter cannot be, in either scenario: the probability leaves it out.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub left_out: bool,
     /// How far it was from the event, the less the nearer; `None` where the metric says nothing.

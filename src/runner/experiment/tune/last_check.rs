@@ -9,7 +9,7 @@ use super::candidates::Evaluated;
 use super::under_way::{Kept, TuneUnderWay};
 use crate::experiment::error::ExperimentError;
 use numbers::random::derive_seed;
-use optimise::{Chance, Fitted, Reevaluated, WorseBy, choose};
+use optimise::{Fitted, Reevaluated, SamplingError, WorseBy, choose};
 use results::Outcome;
 
 /// How many of the best observed candidates the answer is compared with.
@@ -130,7 +130,7 @@ impl TuneUnderWay<'_> {
         };
         let name = format!("{}/{} last check", self.context.suite.name, self.tune.name);
         let seed = derive_seed(self.context.suite.seed, &name);
-        let chance = Chance::of(pools, seed, is_same, |drawn| over(one, drawn) - over(other, drawn));
+        let chance = SamplingError::of(pools, seed, is_same, |drawn| over(one, drawn) - over(other, drawn));
         WorseBy::of(of(one), of(other), chance)
     }
 

@@ -91,8 +91,8 @@ impl TuneUnderWay<'_> {
     }
 
     /// The candidate with which the fewest runs violate a constraint; of several the one with the best first objective,
-    /// then the earliest; one that breaks none has no value, and is no answer. Every candidate is run once more, because nothing else needs
-    /// its single runs.
+    /// then the earliest. Candidates that break no constraint have no value and are not asked. Every candidate is run once more, because
+    /// nothing else needs its single runs.
     fn fewest_violations(
         &self,
         candidates: &[Evaluated],

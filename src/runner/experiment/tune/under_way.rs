@@ -1,4 +1,4 @@
-//! One tune under way: the runs of its candidates, and what they come to.
+//! One tune under way: the runs of its candidates and their evaluations.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -64,7 +64,7 @@ impl EvaluateRound for TuneUnderWay<'_> {
 }
 
 impl TuneUnderWay<'_> {
-    /// What the runs of a candidate come to.
+    /// The evaluation of a candidate from its runs.
     pub fn evaluation_of(&self, outcomes: &[Outcome], abandoned: bool) -> Evaluation {
         let objective = |objective: &Objective| {
             let (value, noise_variance) =
