@@ -41,6 +41,8 @@ struct ProgramProcesses {
     idle: Vec<Process>,
     /// In use, or being started.
     in_use: usize,
+    /// The most of them that were in use side by side since a run came to its end.
+    side_by_side: usize,
     /// How many were started.
     started: usize,
     /// Processes that ended since a run came to its end.
@@ -50,6 +52,13 @@ struct ProgramProcesses {
     titles: Vec<String>,
     program: Option<Arc<DeclaredProgram>>,
     answers: AnswerClock,
+}
+
+impl ProgramProcesses {
+    fn use_another(&mut self) {
+        self.in_use += 1;
+        self.side_by_side = self.side_by_side.max(self.in_use);
+    }
 }
 
 /// What a program was used for.
@@ -229,11 +238,11 @@ impl ProcessPool {
                 return Err(fault.clone());
             }
             if let Some(process) = processes.idle.pop() {
-                processes.in_use += 1;
+                processes.use_another();
                 return Ok(process);
             }
             if processes.in_use < most {
-                processes.in_use += 1;
+                processes.use_another();
                 break;
             }
             programs = self.released.wait(programs).unwrap_or_else(PoisonError::into_inner);
@@ -276,7 +285,7 @@ impl ProcessPool {
         let processes = programs.entry(key(program)).or_default();
         processes.failed += 1;
         let most = MOST_FAILED_PROCESSES
-            * u32::try_from(processes.in_use.max(1)).unwrap_or(u32::MAX / MOST_FAILED_PROCESSES);
+            * u32::try_from(processes.side_by_side.max(1)).unwrap_or(u32::MAX / MOST_FAILED_PROCESSES);
         if processes.failed >= most && processes.given_up.is_none() {
             let message = format!(
                 "given up: {} processes ended one after the other before a run did",
@@ -409,7 +418,8 @@ impl<'p> AcquiredProcesses<'p> {
     pub fn finished(&self) {
         let mut programs = self.pool.lock();
         for member in &self.members {
-            programs.entry(key(&member.program)).or_default().failed = 0;
+            let processes = programs.entry(key(&member.program)).or_default();
+            (processes.failed, processes.side_by_side) = (0, processes.in_use);
         }
     }
 }
