@@ -526,7 +526,11 @@ codes! {
         "A pedestrian exists from the moment on at which it appears. Of `humans` more than half set off within two decisions, on one noisy \
          look, and nearly all who are hit are of those. Where people stood and looked before, say for how long: `looks for 1 s`; `humans` \
          were fitted without a look, so that the number is then another one, and not a corrected one. Where a box hides vehicle and \
-         pedestrian from each other, nothing is said.";
+         pedestrian from each other, nothing is said, nor in suites that hold results against a `source` or of scenarios with the tag `published`.";
+    LongLook = "W0929", "a look outlasts all vehicles",
+        "The pedestrian may go only when every vehicle has passed it, if none brakes: who goes then meets nothing, and what passes shows \
+         nothing. A look begins where the pedestrian appears, so that a vehicle that is to be 3 s away when it may go has to be 3 s and the \
+         look away then.";
     NoCriteria = "W0902", "a scenario expects nothing",
         "Without `expect` a scenario is run but not judged: nothing is claimed of it. Add criteria to it or to the suite; where a search, tune, \
          evaluate or statement is about its runs, it needs none.";

@@ -500,6 +500,17 @@ pub enum DeclaredMayGo {
     },
 }
 
+impl DeclaredPedestrian {
+    /// The vehicles for whose arrival they wait, to appear or to go.
+    pub fn awaits(&self) -> impl Iterator<Item = &str> {
+        let to_go = match &self.may_go {
+            DeclaredMayGo::TimeToArrival { vehicle, .. } => Some(vehicle.as_str()),
+            DeclaredMayGo::AtOnce | DeclaredMayGo::After(_) => None,
+        };
+        self.appears.awaits().into_iter().chain(to_go)
+    }
+}
+
 impl DeclaredMayGo {
     fn is_at_once(&self) -> bool {
         *self == Self::AtOnce

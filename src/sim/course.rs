@@ -440,7 +440,11 @@ impl Course {
         }
         self.refuse_occupied_places(time)?;
         if let Some(permissions) = &mut self.permissions {
-            permissions.update(&self.world, &self.now, time).map_err(Fault::PastArrival)?;
+            // A pedestrian that appears later than in the run that it is compared with may go at once.
+            let past = permissions.update(&self.world, &self.now, time);
+            if let (Some(past), None) = (past, &self.postponed) {
+                return Err(Fault::PastArrival(past));
+            }
         }
         self.stage = Stage::Act;
         self.release();

@@ -58,7 +58,7 @@ pub use change::{GivenCommand, RunChange, brakes};
 pub use contact::{Contacts, Touch};
 pub use course::{Course, Fault, Progress, has_arrived, has_crossed, longest_run, simulate, walking_time};
 pub use fingerprint::Fingerprint;
-pub use first_sight::decides_at_first_sight;
+pub use first_sight::{decides_at_first_sight, looks_until_all_are_past};
 pub use hit::{hit_along, hit_at};
 pub use observer::{Ending, Minds, Observer, Step, StopReason};
 pub use order::{LONGEST_PLAN, Order, SpeedPlan, SpeedPlanError, SteeredOrder, toward};

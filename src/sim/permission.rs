@@ -38,11 +38,9 @@ impl Permissions {
         self.each[pedestrian].may_go
     }
 
-    /// Lets pedestrians go whose moment has come at `time`, s.
-    ///
-    /// # Errors
-    /// The first pedestrian whose time to arrival is past by more than a step when it appears.
-    pub fn update(&mut self, world: &World, now: &Snapshot, time: f64) -> Result<(), PastArrival> {
+    /// Lets pedestrians go whose moment has come at `time`, s; the first whose time to arrival is past by more than a step when it appears.
+    pub fn update(&mut self, world: &World, now: &Snapshot, time: f64) -> Option<PastArrival> {
+        let mut past = None;
         let people = world.pedestrians.iter().zip(&now.pedestrians).enumerate();
         for (pedestrian, (setup, state)) in people {
             let permission = &mut self.each[pedestrian];
@@ -55,12 +53,12 @@ impl Permissions {
             if let MayGo::TimeToArrival { vehicle, reference, time: wanted, .. } = setup.may_go {
                 let left = now.vehicles[vehicle].time_to_arrival(permission.place, reference);
                 if appears && left < wanted - world.step {
-                    return Err(PastArrival { pedestrian, vehicle, wanted, left, to_go: true });
+                    past.get_or_insert(PastArrival { pedestrian, vehicle, wanted, left, to_go: true });
                 }
                 permission.may_go |= left <= wanted + TIME_TOLERANCE;
             }
         }
-        Ok(())
+        past
     }
 
     /// The first pedestrian that is there and could not go, with the moment (s) at which it could have at the latest.

@@ -2,6 +2,8 @@
 
 use nalgebra::Vector2;
 
+use super::start::beginning;
+use scenario::agent::VehicleState;
 use scenario::{PedestrianSetup, VehicleSetup, World, half_extent};
 
 /// Distances that differ by less are the same, m.
@@ -43,11 +45,17 @@ fn of_pedestrian(world: &World, pedestrian: usize, setup: &PedestrianSetup) -> V
     if setup.follows.is_some() {
         return Vec::new();
     }
+    let state = beginning(world);
+    let start_of = |index: usize| &state.vehicles[index];
     let begins = std::iter::once(start).chain(setup.stops.iter().map(|stop| Vector2::from(*stop)));
     let nearest = |(refuge, from): (usize, Vector2<f64>)| {
         let ends = setup.stops.get(refuge).map_or(goal, |stop| Vector2::from(*stop));
         let leg = (ends - from).dot(&way);
-        let cars = world.vehicles.iter().enumerate().filter(|(_, car)| moves(car));
+        let cars = world
+            .vehicles
+            .iter()
+            .enumerate()
+            .filter(|(index, car)| moves(car) && comes(start_of(*index), setup));
         let each = cars.filter_map(|(vehicle, car)| {
             let (distance, half) = conflict(world, setup, car, (from, way))?;
             let needed = half + margin;
@@ -63,6 +71,11 @@ fn of_pedestrian(world: &World, pedestrian: usize, setup: &PedestrianSetup) -> V
         each.max_by(|one, other| one.missing().total_cmp(&other.missing()))
     };
     begins.enumerate().filter_map(nearest).collect()
+}
+
+/// Whether a vehicle has yet to come by where a pedestrian meets its path.
+fn comes(car: &VehicleState, setup: &PedestrianSetup) -> bool {
+    car.motion.travelled - car.length / 2.0 < setup.met_by(&car.path)
 }
 
 fn moves(car: &VehicleSetup) -> bool {

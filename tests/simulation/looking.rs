@@ -169,3 +169,19 @@ fn behind_a_box_a_look_sees_nothing() {
     let hidden = way(&text("looks for 1 s")).unwrap();
     assert_eq!(hidden.modes.iter().filter(|mode| *mode == "looking").count(), 40);
 }
+
+/// A pedestrian that is postponed may go at once if its moment is past by then: that is a run of its own, and no error.
+#[test]
+fn who_appears_later_may_have_missed_their_moment() {
+    let text = street(
+        8.0,
+        "model scripted { speed: 1 m/s }; appears when time_to_arrival(av) = 4 s; may go when time_to_arrival(av) = 4 s, or after 5 s",
+    );
+    let case = case(&text);
+    let users = road_users(&case.world, case.seed).unwrap();
+    let later = sim::RunChange::AppearsLater { pedestrian: 0, by: 0.2 };
+    let mut course = sim::Course::start(case.world.clone(), users).changed(later);
+    let mut way = Way::default();
+    assert!(matches!(course.next(&mut way), Ok(sim::Progress::Ended(_))));
+    assert!((sets_off(&way).unwrap() - 4.2).abs() < 0.026, "{:?}", sets_off(&way));
+}

@@ -53,7 +53,6 @@ pub fn pedestrian(
         exclude(several, one, report);
         exclude(block.appears().map(|said| *said), block.meets().map(|said| *said), report);
         exclude(block.looks().map(|said| *said), block.may_go().map(|said| *said), report);
-        exclude(block.permission().map(|said| *said), block.meets().map(|said| *said), report);
         exclude(block.obeys().map(|said| *said), block.ignores().map(|said| *said), report);
     }
     let what = format!(
@@ -132,7 +131,13 @@ pub fn pedestrian(
         }
         None => Some(DeclaredAppearance::At(Expression::number(0.0))),
     };
-    let may_go = match last(layers, ast::PedestrianBlock::permission) {
+    let permission = last(layers, ast::PedestrianBlock::permission);
+    if let Some(Said { node: ast::Appearance::Meets(meets), .. }) =
+        last(layers, ast::PedestrianBlock::appearance)
+    {
+        exclude(permission.map(|said| *said.node), Some(*meets), report);
+    }
+    let may_go = match permission {
         Some(Said { node: ast::Permission::Looks(node), scope }) => {
             let what = "the time for which a pedestrian looks";
             value::quantity_within(node.time(), limits::LOOKS, what, scope, report).map(|time| {

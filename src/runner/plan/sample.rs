@@ -15,8 +15,8 @@ pub fn sample_scenario(suite: &Suite, scenario: &Scenario, most: usize) -> Resul
         return Ok(probed.iter().map(|trial| trial.cases.first()).collect());
     }
     let plan = ScenarioPlan::new(suite, scenario)?;
-    let each = plan.runs().min((most / plan.len()).max(1));
-    let all = plan.len().saturating_mul(each).min(most);
-    let runs = (0..all).map(|run| plan.trial(run % plan.len()).cases.get(run / plan.len()));
-    Ok(runs.filter(|case| case.impossible.is_none()).collect())
+    let trials = plan.len().min(most).max(1);
+    let runs = plan.runs().min((most / trials).max(1));
+    let case = |run: usize| plan.trial((run % trials) * plan.len() / trials).cases.get(run / trials);
+    Ok((0..trials * runs).map(case).filter(|case| case.impossible.is_none()).collect())
 }

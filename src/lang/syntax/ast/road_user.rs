@@ -368,8 +368,7 @@ pub static PEDESTRIAN: BlockEntry = BlockEntry {
             "may go when time_to_arrival(av) = 3 s, or after 8 s",
             "It stands and looks until a vehicle is so near, but no longer than so long: a vehicle that stops for it never arrives.",
         )
-        .key("may_go", YamlShape::Words)
-        .set_where_said(),
+        .key("may_go", YamlShape::Words),
         statement(
             "may start inside",
             Rule::may_start_inside,

@@ -25,6 +25,7 @@ pub fn examine_claims(suite: &Suite, sources: &Sources) -> Vec<Diagnostic> {
     found.extend(signals::examine_signals(suite, sources));
     found.extend(room::examine_room(suite, sources));
     found.extend(first_sight::examine_first_sight(suite, sources));
+    found.extend(first_sight::examine_long_looks(suite, sources));
     found.extend(attention::examine_attention(suite, sources));
     found
 }

@@ -3,7 +3,7 @@
 use super::budget::at;
 use crate::experiment::search_ends;
 use crate::plan::{self, metres, too_near_words};
-use lang::{Code, Diagnostic, Sources};
+use lang::{Code, Diagnostic, Severity, Sources};
 use scenario::{Case, Origin, PedestrianSetup, Scenario, Suite, World, significant};
 use sim::{TooNear, too_near};
 
@@ -20,7 +20,7 @@ pub(super) fn examine_room(suite: &Suite, sources: &Sources) -> Vec<Diagnostic> 
         let all = if scenario.is_drawn() { "runs looked at" } else { "trials" };
         let places = Places { all, search: None };
         let declared = places.examine(scenario, &runs, sources);
-        let is_known = !declared.is_empty();
+        let is_known = declared.iter().any(|found| found.severity == Severity::Error);
         found.extend(declared);
         for search in suite.searches.iter().filter(|search| search.scenario == scenario.name && !is_known) {
             let places = Places { all: "ends of its ranges", search: Some((&search.name, &search.origin)) };
