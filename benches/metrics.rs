@@ -60,6 +60,7 @@ fn measure(bencher: Bencher, names: &[&str]) {
                     sightings: &[],
                     abreast: &Abreast::default(),
                     views: Default::default(),
+                    may_go: None,
                     minds: Minds::default(),
                 });
             }

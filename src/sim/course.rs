@@ -526,7 +526,7 @@ impl Course {
                 if another {
                     pedestrian.begin_leg(&scene);
                 }
-                if self.permissions.as_ref().is_none_or(|permissions| permissions.may_go(index)) {
+                if self.permissions.as_ref().is_none_or(|permissions| permissions.may_go()[index]) {
                     let motion = pedestrian.act(&scene);
                     self.motions[index] = legs.held(scene.ego(), motion, |state, motion| {
                         self.ways[index].walk(state, motion, step, step);
@@ -614,6 +614,7 @@ impl Course {
             contacts: self.contacts.found(),
             sightings: &self.sightings,
             abreast: &self.abreast,
+            may_go: self.permissions.as_ref().map(Permissions::may_go),
             minds: Minds::new(&self.users.pedestrians),
             views: Views::new(&self.controls, &self.users.vehicles),
         };

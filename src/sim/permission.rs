@@ -8,6 +8,7 @@ use scenario::{MayGo, World};
 /// The permissions of the pedestrians of a world.
 pub(super) struct Permissions {
     each: Vec<Permission>,
+    may_go: Vec<bool>,
 }
 
 #[derive(Clone, Copy)]
@@ -16,7 +17,6 @@ struct Permission {
     place: f64,
     /// When the pedestrian appeared, s.
     appeared: Option<f64>,
-    may_go: bool,
 }
 
 impl Permissions {
@@ -27,15 +27,16 @@ impl Permissions {
                 MayGo::TimeToArrival { vehicle, .. } => met_by_vehicle(world, setup, vehicle),
                 MayGo::AtOnce | MayGo::After(_) => 0.0,
             };
-            Permission { place, appeared: None, may_go: setup.may_go == MayGo::AtOnce }
+            Permission { place, appeared: None }
         };
-        let each: Vec<_> = world.pedestrians.iter().map(of).collect();
-        each.iter().any(|permission| !permission.may_go).then_some(Self { each })
+        let may_go: Vec<_> = world.pedestrians.iter().map(|setup| setup.may_go == MayGo::AtOnce).collect();
+        let waits = may_go.contains(&false);
+        waits.then(|| Self { each: world.pedestrians.iter().map(of).collect(), may_go })
     }
 
-    /// Whether a pedestrian may go.
-    pub fn may_go(&self, pedestrian: usize) -> bool {
-        self.each[pedestrian].may_go
+    /// Which pedestrians may go, once they are there.
+    pub fn may_go(&self) -> &[bool] {
+        &self.may_go
     }
 
     /// Lets pedestrians go whose moment has come at `time`, s; the first whose time to arrival is past by more than a step when it appears.
@@ -43,19 +44,19 @@ impl Permissions {
         let mut past = None;
         let people = world.pedestrians.iter().zip(&now.pedestrians).enumerate();
         for (pedestrian, (setup, state)) in people {
-            let permission = &mut self.each[pedestrian];
-            if permission.may_go || !state.present {
+            let (permission, may_go) = (&mut self.each[pedestrian], &mut self.may_go[pedestrian]);
+            if *may_go || !state.present {
                 continue;
             }
             let appears = permission.appeared.is_none();
             let waited = time - *permission.appeared.get_or_insert(time);
-            permission.may_go = waited >= setup.may_go.longest() - TIME_TOLERANCE;
+            *may_go = waited >= setup.may_go.longest() - TIME_TOLERANCE;
             if let MayGo::TimeToArrival { vehicle, reference, time: wanted, .. } = setup.may_go {
                 let left = now.vehicles[vehicle].time_to_arrival(permission.place, reference);
                 if appears && left < wanted - world.step {
                     past.get_or_insert(PastArrival { pedestrian, vehicle, wanted, left, to_go: true });
                 }
-                permission.may_go |= left <= wanted + TIME_TOLERANCE;
+                *may_go |= left <= wanted + TIME_TOLERANCE;
             }
         }
         past
@@ -63,10 +64,10 @@ impl Permissions {
 
     /// The first pedestrian that is there and could not go, with the moment (s) at which it could have at the latest.
     pub fn never(&self, world: &World) -> Option<(usize, f64)> {
-        let mut people = world.pedestrians.iter().zip(&self.each).enumerate();
-        people.find_map(|(pedestrian, (setup, permission))| {
-            let appeared = permission.appeared.filter(|_| !permission.may_go)?;
-            Some((pedestrian, appeared + setup.may_go.longest()))
+        let mut waiting = (0..self.each.len()).filter(|pedestrian| !self.may_go[*pedestrian]);
+        waiting.find_map(|pedestrian| {
+            let latest = self.each[pedestrian].appeared? + world.pedestrians[pedestrian].may_go.longest();
+            Some((pedestrian, latest))
         })
     }
 }

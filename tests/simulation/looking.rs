@@ -64,6 +64,11 @@ proptest! {
         prop_assert_eq!(looking, steps as usize);
         prop_assert!(way.places[..looking].iter().all(|place| *place == way.places[0]));
         prop_assert!(way.modes[looking..].iter().all(|mode| mode != "looking"));
+        let initiation = of(&text, "crossing_initiation_time");
+        let off = way.places.iter().position(|place| *place != way.places[0]).map(|step| step as f64 * 0.025);
+        if let (Some(initiation), Some(off)) = (initiation, off) {
+            prop_assert!((initiation - (off - look)).abs() < 0.3, "{} s, off at {} s after {} s", initiation, off, look);
+        }
         let without = measured(&street(lead, &format!("model {model}")));
         let none = measured(&street(lead, &format!("model {model}; looks for 0 s")));
         prop_assert_eq!(without, none);
