@@ -5,7 +5,7 @@
 use std::hint::black_box;
 
 use divan::{AllocProfiler, Bencher};
-use models::pedestrian::commotions::meeting::{Meeting, MetDriver, PEDESTRIAN, VEHICLE};
+use models::pedestrian::commotions::meeting::{Meeting, MetDriver, PEDESTRIAN, VEHICLE, Waiting};
 use models::pedestrian::commotions::{
     CommotionsAgent, ConflictState, Control, Parameters, Rules, Sight, State, Variant,
 };
@@ -32,7 +32,7 @@ fn zebra(time_to_arrival: f64, duration: f64, driver: MetDriver) -> Meeting {
         vehicle: (time_to_arrival * 30.0 / 3.6, 30.0 / 3.6),
         driver,
         pedestrian_priority: true,
-        entry_inhibited_until: 0.0,
+        waiting: Waiting::Inhibited(0.0),
         dt: 0.025,
         end_time: duration,
     }
@@ -63,7 +63,7 @@ fn zebra_20_s(bencher: Bencher, variant: &str) {
 #[divan::bench(args = [STANDARD, LOOMING, EVERYTHING])]
 fn undecided_20_s(bencher: Bencher, variant: &str) {
     let mut meeting = zebra(22.0, 20.0, MetDriver::Timetable(Vec::new()));
-    meeting.entry_inhibited_until = 20.0;
+    meeting.waiting = Waiting::Inhibited(20.0);
     encounter(bencher, variant, &meeting);
 }
 
@@ -77,7 +77,7 @@ fn two_agents_20_s(bencher: Bencher, variant: &str) {
 #[divan::bench(args = [5, 10, 20, 40])]
 fn undecided_for_seconds(bencher: Bencher, seconds: u32) {
     let mut meeting = zebra(42.0, f64::from(seconds), MetDriver::Timetable(Vec::new()));
-    meeting.entry_inhibited_until = 40.0;
+    meeting.waiting = Waiting::Inhibited(40.0);
     encounter(bencher, STANDARD, &meeting);
 }
 

@@ -5,8 +5,8 @@ use divan::counter::ItemsCount;
 use models::standard;
 use nalgebra::Vector2;
 use scenario::{
-    Appearance, Direction, MetricReference, ModelSetup, Path, PedestrianSetup, Position, Reference, Road,
-    Settings, Shape, Side, VehicleSetup, VehicleStart, World,
+    Appearance, Direction, MayGo, MetricReference, ModelSetup, Path, PedestrianSetup, Position, Reference,
+    Road, Settings, Shape, Side, VehicleSetup, VehicleStart, World,
 };
 use sim::measure::{FreeFlow, Measurement};
 use sim::{Abreast, Longitudinal, Minds, Mode, Observer, PedestrianState, Snapshot, Step, VehicleState};
@@ -60,6 +60,7 @@ fn measure(bencher: Bencher, names: &[&str]) {
                     sightings: &[],
                     abreast: &Abreast::default(),
                     views: Default::default(),
+                    may_go: None,
                     minds: Minds::default(),
                 });
             }
@@ -122,6 +123,7 @@ fn world() -> World {
             stops: Vec::new(),
             crossing: 0,
             appears: Appearance::At(0.0),
+            may_go: MayGo::AtOnce,
             reference: 0.0,
             obeys_signals: false,
         }],

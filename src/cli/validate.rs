@@ -11,7 +11,8 @@ use models::calibrate::{
 };
 use models::pedestrian::commotions::Variant;
 use models::pedestrian::commotions::held_back::{HeldBackScenario, HikerPersons, held_back};
-use models::pedestrian::commotions::hiker::{HikerComparison, HikerReference};
+use models::pedestrian::commotions::hiker::{AS_PUBLISHED, HikerComparison, HikerReference, LOOKING};
+use models::pedestrian::commotions::meeting::Waiting;
 use report::console::{stderr, stdout};
 use scenario::population::HUMANS;
 
@@ -42,6 +43,9 @@ enum What {
         /// How many of the population, evenly spaced in it.
         #[arg(long, value_name = "N", default_value_t = 1000, value_parser = number::some())]
         members: usize,
+        /// They stand and look until the first car has passed, instead of entering being worth nothing until then, as published.
+        #[arg(long, requires = "population")]
+        looking: bool,
     },
     /// A population in the ten conditions of the encounter that people were observed in, under noise of your choice.
     Encounter {
@@ -99,11 +103,12 @@ enum What {
 
 pub fn run(arguments: &ValidateArguments) -> Exit {
     let result = match &arguments.what {
-        What::Hiker { reference, repetitions, seed, population, persons, members } => {
+        What::Hiker { reference, repetitions, seed, population, persons, members, looking } => {
             match population.as_deref().zip(persons.as_deref()) {
                 Some((population, persons)) => {
                     let runs = (*members, (*repetitions).max(2), *seed);
-                    people_of_hiker(reference, population, persons, runs)
+                    let waiting = if *looking { LOOKING } else { AS_PUBLISHED };
+                    people_of_hiker(reference, population, persons, runs, waiting)
                 }
                 None => hiker(reference, *repetitions, *seed),
             }
@@ -148,10 +153,11 @@ fn people_of_hiker(
     population: &str,
     persons: &Path,
     (members, repetitions, seed): (usize, u32, u64),
+    waiting: Waiting,
 ) -> Result<Exit, Box<dyn std::error::Error>> {
     let (reference, persons) = (HikerReference::read(file)?, HikerPersons::read(persons)?);
     let SomeMembers { variant, people, digest, .. } = SomeMembers::read(population, members)?;
-    let found = held_back(&reference, &persons, &variant, &people, repetitions, seed);
+    let found = held_back(&reference, &persons, &variant, &people, (repetitions, seed), waiting);
     writeln!(stdout(), "{} of {population}, digest {digest}, {repetitions} times each", people.len(),);
     writeln!(
         stdout(),

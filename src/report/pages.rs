@@ -5,8 +5,8 @@ use std::fmt::Write;
 use super::format::with_unit;
 use scenario::registry::Registry;
 use scenario::{
-    Attention, ControllerModel, Declaration, Dimension, LooksAt, Parameter, ParameterKind, PresetFamily,
-    Settings, SignalConduct, Value,
+    Attention, ControllerModel, Declaration, Dimension, LookEffect, LooksAt, Parameter, ParameterKind,
+    PedestrianModel, PresetFamily, Settings, SignalConduct, Value,
 };
 
 /// A page about one registered model.
@@ -40,7 +40,7 @@ pub fn model_pages(registry: &Registry) -> Vec<ModelPage> {
     let pedestrians = registry.pedestrians().iter().map(|model| {
         let people =
             model.takes_individuals.then(|| "Parameter sets may come from a population.".to_string());
-        let facts: Vec<_> = people.into_iter().chain([signals(model.signals)]).collect();
+        let facts: Vec<_> = people.into_iter().chain([signals(model.signals), look(model)]).collect();
         ModelPage::new("pedestrian", &model.declaration, &facts)
     });
     let controllers = registry.controllers().iter().map(|model| {
@@ -97,6 +97,24 @@ fn attention(model: &ControllerModel) -> String {
         names.join(", ")
     };
     format!("With its defaults it looks at: {}; not at: {}.", those(true), those(false))
+}
+
+/// What a look before it may go makes of a pedestrian.
+fn look(model: &PedestrianModel) -> String {
+    let is_fixed =
+        model.declaration.resolve(&Settings::default()).is_ok_and(|defaults| (model.is_fixed)(&defaults));
+    let said = match model.look {
+        LookEffect::Counts => {
+            "With `looks for` what it sees before it may go counts: it perceives and believes meanwhile."
+        }
+        LookEffect::Delays if is_fixed => {
+            "With its defaults it walks the same whatever it sees, and refuses `looks for`; with `may go` it stands in sight before."
+        }
+        LookEffect::Delays => {
+            "It decides by what is there at the moment: what it sees during `looks for` changes nothing, it only goes later."
+        }
+    };
+    said.to_string()
 }
 
 fn reference(one: &Declaration, facts: &[String]) -> String {

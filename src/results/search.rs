@@ -40,8 +40,7 @@ pub struct SearchResult {
 }
 
 /// When an encounter cannot be, so that its run is left out.
-pub const NO_ENCOUNTER: &str =
-    "a pedestrian appears inside another body, or would have to appear before the run begins";
+pub const NO_ENCOUNTER: &str = "a pedestrian appears inside another body, waits for a time to arrival that is past, or could not go before the run ended";
 
 /// What became of the expectations of a search.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

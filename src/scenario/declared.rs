@@ -361,6 +361,12 @@ pub struct DeclaredPedestrian {
     pub walks: Option<WalksAlong>,
     /// When they enter the world.
     pub appears: DeclaredAppearance,
+    /// When they may go, once they are there.
+    #[serde(default, skip_serializing_if = "DeclaredMayGo::is_at_once")]
+    pub may_go: DeclaredMayGo,
+    /// Whether it is meant that they may start where waiting is not an option for their model.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub may_start_inside: bool,
     /// How far ahead of the centre of their footprint the point is that they are measured by, m.
     pub reference: Expression,
     /// `None`: the parameters that the model's settings say.
@@ -470,6 +476,45 @@ pub enum DeclaredAppearance {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         after: Option<Expression>,
     },
+}
+
+/// When a pedestrian that is there may go.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum DeclaredMayGo {
+    /// As soon as it appears.
+    #[default]
+    AtOnce,
+    /// So long after it has appeared, s: it looks.
+    After(Expression),
+    /// When a vehicle's time to arrival has fallen to `time`, or so long after it has appeared.
+    TimeToArrival {
+        /// Its name.
+        vehicle: String,
+        /// The part of the vehicle that arrives.
+        reference: VehicleReference,
+        /// s
+        time: Expression,
+        /// s
+        or_after: Expression,
+    },
+}
+
+impl DeclaredPedestrian {
+    /// The vehicles for whose arrival they wait, to appear or to go.
+    pub fn awaits(&self) -> impl Iterator<Item = &str> {
+        let to_go = match &self.may_go {
+            DeclaredMayGo::TimeToArrival { vehicle, .. } => Some(vehicle.as_str()),
+            DeclaredMayGo::AtOnce | DeclaredMayGo::After(_) => None,
+        };
+        self.appears.awaits().into_iter().chain(to_go)
+    }
+}
+
+impl DeclaredMayGo {
+    fn is_at_once(&self) -> bool {
+        *self == Self::AtOnce
+    }
 }
 
 impl DeclaredPedestrian {

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize, Serializer};
 
 use super::agent::{CommandKind, Controller, Dynamics, ModelError, Pedestrian, Perception, Schedule};
 use super::{
-    Appearance, Attention, Chance, Declaration, DeclaredProgram, Dimension, Parameter, Path, Position,
+    Appearance, Attention, Chance, Declaration, DeclaredProgram, Dimension, MayGo, Parameter, Path, Position,
     Reference, Registered, Road, RoadUserKind, SettingError, Settings, Shape, Side, SignalConduct, Text,
     VehicleStart,
 };
@@ -186,6 +186,9 @@ pub struct PedestrianSetup {
     pub crossing: usize,
     /// When they enter the world.
     pub appears: Appearance,
+    /// When they may go, once they are there.
+    #[serde(default, skip_serializing_if = "MayGo::is_at_once")]
+    pub may_go: MayGo,
     /// How far ahead of the centre of their footprint the point is that they are measured by, m; negative behind it.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub reference: f64,
@@ -198,6 +201,12 @@ impl PedestrianSetup {
     /// How far (m) they keep clear of boxes and other people; `None`: they do not.
     pub fn keeps_clear(&self) -> Option<f64> {
         (self.model.model.known()?.keeps_clear)(&self.model.settings)
+    }
+
+    /// How much (m) farther than where bodies can meet they have to stand to be able to wait, and the setting that says so; `None`: they can
+    /// wait anywhere.
+    pub fn keeps_off(&self) -> Option<(&'static str, f64)> {
+        (self.model.model.known()?.keeps_off)(&self.model.settings)
     }
 
     /// Whether they step onto the road where a signal of the crossing that they use stands: within [`AT_THE_CROSSING`] of its extent. Who
@@ -407,12 +416,26 @@ pub struct PedestrianModel {
     pub is_fixed: fn(&Settings) -> bool,
     /// How far (m) with these settings it keeps clear of boxes and other people, whatever it wants; `None`: it goes where it is told to.
     pub keeps_clear: fn(&Settings) -> Option<f64>,
+    /// Nearer than this (m) to where the bodies of a vehicle and itself can meet it cannot wait with these settings, and the setting that says
+    /// so; `None`: it can wait anywhere.
+    pub keeps_off: fn(&Settings) -> Option<(&'static str, f64)>,
+    /// What it makes of the time for which it looks before it may go.
+    pub look: LookEffect,
     /// Whether it can wait on refuges: on each leg of its way it minds only whom it meets before the leg's end.
     pub walks_in_legs: bool,
     /// What it does about the signal of a crossing. Nobody who obeys steps onto the road without green, whatever their model wants.
     pub signals: SignalConduct,
     /// Makes one for a run.
     pub build: BuildPedestrian,
+}
+
+/// What a pedestrian model makes of the time for which it looks before it may go.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LookEffect {
+    /// It decides by what is there at the moment: a look only lets it go later.
+    Delays,
+    /// What it sees counts: its first decision is that of somebody who has seen.
+    Counts,
 }
 
 /// What a pedestrian model is built from.
@@ -443,6 +466,8 @@ impl PedestrianModel {
             chance: Chance::Always,
             is_fixed: |_| false,
             keeps_clear: |_| Some(0.0),
+            keeps_off: |_| None,
+            look: LookEffect::Delays,
             walks_in_legs: false,
             signals: SignalConduct::Obeys,
             build: Arc::new(build),
@@ -452,6 +477,16 @@ impl PedestrianModel {
     /// The same, whose parameter sets may come from a population of individuals.
     pub fn with_individuals(self) -> Self {
         Self { takes_individuals: true, ..self }
+    }
+
+    /// The same, which cannot wait nearer than so much (m) to where bodies can meet; [`Self::new`] takes it that it can wait anywhere.
+    pub fn keeping_off(self, keeps_off: fn(&Settings) -> Option<(&'static str, f64)>) -> Self {
+        Self { keeps_off, ..self }
+    }
+
+    /// The same, for which it counts what it has seen before it may go; [`Self::new`] takes it that a look only lets it go later.
+    pub fn believing(self) -> Self {
+        Self { look: LookEffect::Counts, ..self }
     }
 
     /// The same, which can wait on refuges, see [`Pedestrian::begin_leg`].

@@ -2,7 +2,7 @@
 
 use super::{
     Aggregate, BendRadius, Claim, DeclaredAppearance, DeclaredBend, DeclaredFollowing, DeclaredGround,
-    DeclaredOtherRoad, DeclaredPedestrian, DeclaredPiece, DeclaredShape, DeclaredSignal,
+    DeclaredMayGo, DeclaredOtherRoad, DeclaredPedestrian, DeclaredPiece, DeclaredShape, DeclaredSignal,
     DeclaredVehicleStart, Expression, Model, Origin, PieceKind, Vehicle, WalksAlong,
 };
 
@@ -57,6 +57,8 @@ macro_rules! expressions {
                 turned,
                 walks,
                 appears,
+                may_go,
+                may_start_inside: _,
                 reference,
                 individuals: _,
                 group: _,
@@ -84,6 +86,13 @@ macro_rules! expressions {
                     if let Some(after) = after {
                         found.push((after, origin));
                     }
+                }
+            }
+            match may_go {
+                DeclaredMayGo::AtOnce => {}
+                DeclaredMayGo::After(time) => found.push((time, origin)),
+                DeclaredMayGo::TimeToArrival { vehicle: _, reference: _, time, or_after } => {
+                    found.extend([(time, origin), (or_after, origin)]);
                 }
             }
             let places = [start_from_lane_centre, along, goal_beyond_kerb, turned, reference];

@@ -85,7 +85,7 @@ pub use declaration::{
     PresetFamily, Published, SettingError, Text, TextCheck, TextError,
 };
 pub use declared::{
-    DeclaredAppearance, DeclaredFollowing, DeclaredPedestrian, DeclaredPlace, DeclaredShape,
+    DeclaredAppearance, DeclaredFollowing, DeclaredMayGo, DeclaredPedestrian, DeclaredPlace, DeclaredShape,
     DeclaredVehicleStart, Membership, Model, REAR_AXLE, RunBudget, Samples, SamplingScheme, Scenario, Suite,
     TestedInstead, TextDigest, Variation, Vehicle, WalksAlong, sha256,
 };
@@ -99,8 +99,8 @@ pub use distribution::{
 pub use draw::{DeclaredDraw, Draw, DrawSource, DrawTable};
 pub use entry::{
     AT_THE_CROSSING, BuildController, BuildDynamics, BuildPedestrian, BuildPerception, CROSSES,
-    ControllerContext, ControllerModel, DynamicsModel, ModelSetup, PedestrianContext, PedestrianModel,
-    PedestrianSetup, PerceptionModel, VehicleSetup, World,
+    ControllerContext, ControllerModel, DynamicsModel, LookEffect, ModelSetup, PedestrianContext,
+    PedestrianModel, PedestrianSetup, PerceptionModel, VehicleSetup, World,
 };
 pub use estimate::{
     Estimate, EstimateClaim, EstimateClaimOf, EstimateMethod, Exposure, FEWEST_ESTIMATE_RUNS,
@@ -121,7 +121,7 @@ pub use optimisation::{
 pub use origin::Origin;
 pub use path::{Located, Path};
 pub use path_conflict::PathConflict;
-pub use placement::{Appearance, Position, Shape, VehicleReference, VehicleStart};
+pub use placement::{Appearance, MayGo, Position, Shape, VehicleReference, VehicleStart};
 pub use program::{Answer, DeclaredFmu, DeclaredProgram, Delay, ProgramKind, WiredVariable};
 pub use program_fault::{FaultKind, ProgramFault};
 pub use rating::{PointsCriterion, Rating, Scoring, TagPoints, Weight, WeightedValues, Weights};

@@ -91,6 +91,10 @@ pub const FURTHER: Limit = limit(Dimension::LENGTH, 0.01, 1000.0);
 pub const APPEARS_AT: Limit = limit(Dimension::TIME, 0.0, 3600.0);
 /// Time to arrival of a vehicle at which a pedestrian appears.
 pub const APPEARS_WHEN: Limit = limit(Dimension::TIME, 0.0, 600.0);
+/// Time to arrival of a vehicle at which a pedestrian may go.
+pub const MAY_GO_WHEN: Limit = limit(Dimension::TIME, 0.0, 600.0);
+/// For how long a pedestrian that is there may not go at most.
+pub const LOOKS: Limit = limit(Dimension::TIME, 0.0, 600.0);
 /// Share of a vehicle's width at which a pedestrian meets it.
 pub const MEETS: Limit = limit(Dimension::NUMBER, 0.0, 1.0);
 /// From the centre of a pedestrian to the point that they are measured by.

@@ -85,6 +85,43 @@ impl From<Position> for Vector2<f64> {
     }
 }
 
+/// When a pedestrian that is there may go.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MayGo {
+    /// As soon as it appears.
+    #[default]
+    AtOnce,
+    /// So long after it has appeared, s; above 0.
+    After(f64),
+    /// At the first step at which the time to arrival of vehicle `vehicle` at the pedestrian's place along the road is at most `time`
+    /// (s), or `or_after` (s) after it has appeared, whichever is earlier.
+    TimeToArrival {
+        /// Index into [`World::vehicles`](crate::World::vehicles).
+        vehicle: usize,
+        /// The part of the vehicle that arrives.
+        reference: VehicleReference,
+        /// s
+        time: f64,
+        /// s
+        or_after: f64,
+    },
+}
+
+impl MayGo {
+    pub(crate) fn is_at_once(&self) -> bool {
+        *self == Self::AtOnce
+    }
+
+    /// The longest time (s) from appearing until it may go.
+    pub fn longest(&self) -> f64 {
+        match *self {
+            Self::AtOnce => 0.0,
+            Self::After(time) | Self::TimeToArrival { or_after: time, .. } => time,
+        }
+    }
+}
+
 /// When a pedestrian enters the world.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

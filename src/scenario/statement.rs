@@ -137,6 +137,16 @@ pub enum OutcomesOf {
 }
 
 impl StatementClaim {
+    /// Everything that it measures.
+    pub fn measured(&self) -> Vec<&Measured> {
+        match &self.kind {
+            StatementClaimKind::Trend { measured, .. } => vec![measured],
+            StatementClaimKind::Compares { left, right, .. } => {
+                [left, right].into_iter().flat_map(Quantity::measured).collect()
+            }
+        }
+    }
+
     /// Every metric that it names.
     pub fn metrics_mut(&mut self) -> Vec<&mut MetricReference> {
         match &mut self.kind {
@@ -149,6 +159,16 @@ impl StatementClaim {
 }
 
 impl Quantity {
+    fn measured(&self) -> Vec<&Measured> {
+        match self {
+            Self::Measured(measured) => vec![measured],
+            Self::Binary { left, right, .. } => {
+                [left, right].into_iter().flat_map(|side| side.measured()).collect()
+            }
+            Self::Number(_) | Self::Chosen { .. } => Vec::new(),
+        }
+    }
+
     fn metrics_mut(&mut self) -> Vec<&mut MetricReference> {
         match self {
             Self::Measured(measured) => vec![measured.aggregate.metric_mut()],

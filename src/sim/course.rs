@@ -14,6 +14,7 @@ use super::legs::Legs;
 use super::observer::{Ending, Minds, Observer, Step, StopReason};
 use super::order::SteeredOrder;
 use super::perceived::Views;
+use super::permission::Permissions;
 use super::road_users::{Driver, RoadUsers};
 use super::sighting::Sighting;
 use super::solid::Solid;
@@ -75,9 +76,19 @@ pub enum Fault {
         /// s
         time: f64,
     },
-    /// The time to arrival that a pedestrian waits for is past when the run begins.
-    #[error("pedestrian {} waits for a time to arrival that is past at the start", .0.pedestrian)]
+    /// The time to arrival that a pedestrian waits for is past when it begins to wait.
+    #[error("pedestrian {} waits for a time to arrival that is past", .0.pedestrian)]
     PastArrival(PastArrival),
+    /// The run ended before a pedestrian that was there might go.
+    #[error("pedestrian {pedestrian} may go at {may_go} s, and the run ends at {time} s")]
+    NeverMayGo {
+        /// Index into [`World::pedestrians`].
+        pedestrian: usize,
+        /// When it may go at the latest, s.
+        may_go: f64,
+        /// s
+        time: f64,
+    },
 }
 
 /// How far a run has come.
@@ -167,6 +178,8 @@ pub struct Course {
     keep_clear: Option<KeepClear>,
     /// `None` where nobody waits for a signal.
     wait_for_green: Option<WaitForGreen>,
+    /// `None` where all pedestrians may go at once.
+    permissions: Option<Permissions>,
     contacts: Contacts,
     /// `None` in all runs but those of what would have been.
     postponed: Option<Postponed>,
@@ -222,6 +235,7 @@ impl Course {
             vehicle_modes: vec![Mode::NONE; world.vehicles.len()],
             keep_clear: KeepClear::new(&world),
             wait_for_green: WaitForGreen::new(&world),
+            permissions: Permissions::new(&world),
             contacts: Contacts::new(&world),
             postponed: None,
             decelerates: None,
@@ -425,6 +439,13 @@ impl Course {
             }
         }
         self.refuse_occupied_places(time)?;
+        if let Some(permissions) = &mut self.permissions {
+            // A pedestrian that appears later than in the run that it is compared with may go at once.
+            let past = permissions.update(&self.world, &self.now, time);
+            if let (Some(past), None) = (past, &self.postponed) {
+                return Err(Fault::PastArrival(past));
+            }
+        }
         self.stage = Stage::Act;
         self.release();
         self.ask_vehicles(time, false)
@@ -505,11 +526,17 @@ impl Course {
                 if another {
                     pedestrian.begin_leg(&scene);
                 }
-                let motion = pedestrian.act(&scene);
-                self.motions[index] = legs.held(scene.ego(), motion, |state, motion| {
-                    self.ways[index].walk(state, motion, step, step);
-                });
-                self.pedestrian_modes[index] = pedestrian.mode();
+                if self.permissions.as_ref().is_none_or(|permissions| permissions.may_go()[index]) {
+                    let motion = pedestrian.act(&scene);
+                    self.motions[index] = legs.held(scene.ego(), motion, |state, motion| {
+                        self.ways[index].walk(state, motion, step, step);
+                    });
+                    self.pedestrian_modes[index] = pedestrian.mode();
+                } else {
+                    pedestrian.look(&scene);
+                    self.motions[index] = Motion::Walk(Vector2::zeros());
+                    self.pedestrian_modes[index] = Mode::new("looking");
+                }
                 if let Some(real) = real {
                     self.now.pedestrians[index] = real;
                 }
@@ -558,6 +585,12 @@ impl Course {
         self.next.vehicles.iter_mut().for_each(VehicleState::know_pose);
         self.contacts.find(&self.now, &self.next, step);
         let ending = self.observe(time, observer);
+        if let Some(Ending { reason: StopReason::Horizon, time }) = ending
+            && let Some((pedestrian, may_go)) =
+                self.permissions.as_ref().and_then(|permissions| permissions.never(&self.world))
+        {
+            return Err(Fault::NeverMayGo { pedestrian, may_go, time });
+        }
         self.stage = ending.map_or(Stage::Ask, Stage::Ended);
         Ok(())
     }
@@ -581,6 +614,7 @@ impl Course {
             contacts: self.contacts.found(),
             sightings: &self.sightings,
             abreast: &self.abreast,
+            may_go: self.permissions.as_ref().map(Permissions::may_go),
             minds: Minds::new(&self.users.pedestrians),
             views: Views::new(&self.controls, &self.users.vehicles),
         };

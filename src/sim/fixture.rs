@@ -1,8 +1,8 @@
 //! A small world for tests.
 
 use scenario::{
-    Appearance, Direction, ModelSetup, PedestrianSetup, Position, Reference, Road, Settings, Shape, Side,
-    VehicleSetup, VehicleStart, World,
+    Appearance, Direction, MayGo, ModelSetup, PedestrianSetup, Position, Reference, Road, Settings, Shape,
+    Side, VehicleSetup, VehicleStart, World,
 };
 
 /// A 4 m lane, a car of 4 m by 2 m and a person of 0.25 m radius who walks from y = -4 m to 4 m.
@@ -37,6 +37,7 @@ pub fn world() -> World {
             stops: Vec::new(),
             crossing: 0,
             appears: Appearance::At(0.0),
+            may_go: MayGo::AtOnce,
             reference: 0.0,
             obeys_signals: false,
         }],

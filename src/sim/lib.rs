@@ -25,6 +25,7 @@ mod course;
 mod crossings_ahead;
 mod curvature;
 mod fingerprint;
+mod first_sight;
 /// Worlds and states for tests.
 #[doc(hidden)]
 pub mod fixture;
@@ -36,6 +37,7 @@ pub mod measure;
 mod observer;
 mod order;
 mod perceived;
+mod permission;
 pub mod random;
 mod road_users;
 pub mod script;
@@ -45,6 +47,7 @@ mod solid;
 mod start;
 mod steering;
 mod timeline;
+mod too_near;
 mod trace;
 mod turning;
 mod wait_for_green;
@@ -55,6 +58,7 @@ pub use change::{GivenCommand, RunChange, brakes};
 pub use contact::{Contacts, Touch};
 pub use course::{Course, Fault, Progress, has_arrived, has_crossed, longest_run, simulate, walking_time};
 pub use fingerprint::Fingerprint;
+pub use first_sight::{decides_at_first_sight, looks_until_all_are_past};
 pub use hit::{hit_along, hit_at};
 pub use observer::{Ending, Minds, Observer, Step, StopReason};
 pub use order::{LONGEST_PLAN, Order, SpeedPlan, SpeedPlanError, SteeredOrder, toward};
@@ -73,5 +77,6 @@ pub use start::{
     path_conflicts, vehicles_ahead,
 };
 pub use timeline::{Happening, Timeline, TimelineEvent};
+pub use too_near::{TooNear, too_near};
 pub use trace::{Sample, Trace, TraceMark};
 pub use turning::{contact_with, vehicles_meet};

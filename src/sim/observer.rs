@@ -47,6 +47,8 @@ pub struct Step<'a> {
     pub sightings: &'a [Sighting],
     /// Where everybody is at its end, seen from vehicles whose paths bend.
     pub abreast: &'a Abreast,
+    /// Which pedestrians may go, once they are there; `None` where all may.
+    pub may_go: Option<&'a [bool]>,
     /// The models of all pedestrians, which tell what they make of the situation.
     pub minds: Minds<'a>,
     /// What the controllers of all vehicles are told.
@@ -81,6 +83,11 @@ impl fmt::Debug for Minds<'_> {
 }
 
 impl Step<'_> {
+    /// Whether a pedestrian that is there may go.
+    pub fn may_go(&self, pedestrian: usize) -> bool {
+        self.may_go.is_none_or(|all| all[pedestrian])
+    }
+
     /// What the controller of a vehicle that does not see everything was told and was not so, at its last decision in this step; `None` where it sees
     /// everything or decided nothing.
     pub fn perceived(&self, vehicle: usize) -> Option<PerceivedView> {

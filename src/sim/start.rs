@@ -9,7 +9,10 @@ use super::solid::Solid;
 use super::turning::contact_ahead;
 use super::way::Way;
 use scenario::agent::{Longitudinal, PedestrianState, Snapshot, VehicleState};
-use scenario::{Appearance, Body, PathConflict, PedestrianSetup, VehicleSetup, VehicleStart, World};
+use scenario::{
+    Appearance, Body, MayGo, PathConflict, PedestrianSetup, VehicleReference, VehicleSetup, VehicleStart,
+    World,
+};
 
 /// Bodies that only touch are beside each other, m.
 const TOUCHING: f64 = 1e-6;
@@ -53,7 +56,7 @@ pub(super) fn occupied_by(world: &World, state: &Snapshot, pedestrian: usize) ->
     vehicles.chain(others).chain(boxes).find(|other| are_inside_each_other(world, state, (own, *other)))
 }
 
-/// A pedestrian that waits for a time to arrival that is past when the run begins.
+/// A pedestrian that waits for a time to arrival that is past when it begins to wait.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PastArrival {
     /// Index into [`World::pedestrians`].
@@ -62,19 +65,41 @@ pub struct PastArrival {
     pub vehicle: usize,
     /// The time to arrival that the pedestrian waits for, s.
     pub wanted: f64,
-    /// The time to arrival at the start, s; negative where the vehicle has passed the place.
-    pub at_start: f64,
+    /// The time to arrival when it begins to wait, s; negative where the vehicle has passed the place.
+    pub left: f64,
+    /// Whether it waits for this to go; else to appear, from the start of the run on.
+    pub to_go: bool,
 }
 
 /// The first pedestrian that waits for a time to arrival that is past by more than `tolerance` (s) where the run begins like this.
 pub fn past_arrival(world: &World, start: &Snapshot, tolerance: f64) -> Option<PastArrival> {
+    let left = |setup: &PedestrianSetup, vehicle: usize, reference: VehicleReference| {
+        start.vehicles[vehicle].time_to_arrival(met_by_vehicle(world, setup, vehicle), reference)
+    };
     world.pedestrians.iter().enumerate().find_map(|(pedestrian, setup)| {
-        let Appearance::TimeToArrival { vehicle, reference, time: wanted } = setup.appears else {
-            return None;
+        if let Appearance::TimeToArrival { vehicle, reference, time: wanted } = setup.appears {
+            let left = left(setup, vehicle, reference);
+            if left < wanted - tolerance {
+                return Some(PastArrival { pedestrian, vehicle, wanted, left, to_go: false });
+            }
+        }
+        let MayGo::TimeToArrival { vehicle, reference, time: wanted, .. } = setup.may_go else { return None };
+        let left = match setup.appears {
+            Appearance::At(time) if time <= 0.0 => left(setup, vehicle, reference),
+            Appearance::TimeToArrival { vehicle: other, reference: part, time }
+                if (other, part) == (vehicle, reference) =>
+            {
+                time
+            }
+            _ => return None,
         };
-        let at_start = start.vehicles[vehicle].time_to_arrival(meeting_place(world, setup), reference);
-        (at_start < wanted - tolerance).then_some(PastArrival { pedestrian, vehicle, wanted, at_start })
+        (left < wanted - tolerance).then_some(PastArrival { pedestrian, vehicle, wanted, left, to_go: true })
     })
+}
+
+/// The place at which a pedestrian meets the path of a vehicle, m.
+pub(super) fn met_by_vehicle(world: &World, setup: &PedestrianSetup, vehicle: usize) -> f64 {
+    setup.met_by(&world.path_of(&world.vehicles[vehicle]))
 }
 
 /// The place at which a pedestrian meets the path of the vehicle whose arrival it waits for, m; 0 if it waits for none.
@@ -82,7 +107,7 @@ pub fn meeting_place(world: &World, setup: &PedestrianSetup) -> f64 {
     match setup.appears {
         Appearance::At(_) => 0.0,
         Appearance::Meeting { place, .. } => place,
-        Appearance::TimeToArrival { vehicle, .. } => setup.met_by(&world.path_of(&world.vehicles[vehicle])),
+        Appearance::TimeToArrival { vehicle, .. } => met_by_vehicle(world, setup, vehicle),
     }
 }
 

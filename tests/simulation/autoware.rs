@@ -8,8 +8,8 @@ use models::vehicle::ControllerContext;
 use numbers::random::Stream;
 use proptest::prelude::*;
 use scenario::{
-    Appearance, Direction, ModelSetup, PedestrianModel, PedestrianSetup, Position, Reference, Road, Settings,
-    Shape, Side, Value, VehicleReference, VehicleSetup, VehicleStart, World,
+    Appearance, Direction, MayGo, ModelSetup, PedestrianModel, PedestrianSetup, Position, Reference, Road,
+    Settings, Shape, Side, Value, VehicleReference, VehicleSetup, VehicleStart, World,
 };
 use sim::{
     Driven, Ending, Mode, Motion, Observer, Pedestrian, RoadUsers, Scene, Snapshot, Step, StopReason,
@@ -132,6 +132,7 @@ fn at_side(side: Side) -> PedestrianSetup {
         stops: Vec::new(),
         crossing: 0,
         appears: Appearance::At(0.0),
+        may_go: MayGo::AtOnce,
         reference: 0.0,
         obeys_signals: false,
     }

@@ -4,8 +4,8 @@ use models::standard;
 use results::{Outcome, Requests};
 use runner::run::{FreeFlows, Unwatched, run_case};
 use scenario::{
-    Appearance, Case, Direction, MetricReference, ModelSetup, PedestrianSetup, Position, Road, Settings,
-    Shape, Side, Value, VehicleReference, VehicleSetup, VehicleStart, World,
+    Appearance, Case, Direction, MayGo, MetricReference, ModelSetup, PedestrianSetup, Position, Road,
+    Settings, Shape, Side, Value, VehicleReference, VehicleSetup, VehicleStart, World,
 };
 
 fn settings(pairs: &[(&str, Value)]) -> Settings {
@@ -56,6 +56,7 @@ fn encounter(tta: f64, car: &str, agent: &[(&str, Value)], walker: &[(&str, Valu
             stops: Vec::new(),
             crossing: 0,
             appears: Appearance::At(0.0),
+            may_go: MayGo::AtOnce,
             reference: 0.0,
             obeys_signals: false,
         }],

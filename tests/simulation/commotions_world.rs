@@ -9,7 +9,7 @@ use numbers::random::derive_seed;
 use runner::run::road_users;
 use scenario::population::Population;
 use scenario::{
-    Appearance, Direction, ModelSetup, PedestrianSetup, Position, Road, Settings, Shape, Side, Value,
+    Appearance, Direction, MayGo, ModelSetup, PedestrianSetup, Position, Road, Settings, Shape, Side, Value,
     VehicleReference, VehicleSetup, VehicleStart, World,
 };
 use sim::{Ending, Observer, Step, StopReason, simulate};
@@ -56,6 +56,7 @@ fn zebra(controller: &str, tta: f64, person: Settings) -> World {
             stops: Vec::new(),
             crossing: 0,
             appears: Appearance::At(0.0),
+            may_go: MayGo::AtOnce,
             reference: 0.0,
             obeys_signals: false,
         }],

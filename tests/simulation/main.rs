@@ -22,6 +22,7 @@ mod jaywalker;
 mod junctions;
 mod keeping_clear;
 mod left_hand;
+mod looking;
 mod meetings;
 mod nothing_at_stake;
 mod numerics;

@@ -16,8 +16,8 @@ use proptest::prelude::*;
 use results::Requests;
 use runner::run::{FreeFlows, Unwatched, road_users, run_case};
 use scenario::{
-    Appearance, Case, Dimension, Direction, ModelSetup, PedestrianSetup, Position, Road, Settings, Shape,
-    Side, Value, VehicleReference, VehicleSetup, VehicleStart, World,
+    Appearance, Case, Dimension, Direction, MayGo, ModelSetup, PedestrianSetup, Position, Road, Settings,
+    Shape, Side, Value, VehicleReference, VehicleSetup, VehicleStart, World,
 };
 use sim::measure::Measurement;
 use sim::{
@@ -144,6 +144,7 @@ fn encounter(controller: &Arc<ControllerModel>, dynamics: &Arc<DynamicsModel>, d
             stops: Vec::new(),
             crossing: 0,
             appears: Appearance::At(0.0),
+            may_go: MayGo::AtOnce,
             reference: 0.0,
             obeys_signals: false,
         }],

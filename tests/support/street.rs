@@ -7,8 +7,8 @@ use runner::run::road_users;
 use scenario::population::Population;
 use scenario::registry::Registry;
 use scenario::{
-    Appearance, ControllerModel, Direction, DynamicsModel, ModelSetup, PedestrianModel, PedestrianSetup,
-    Position, Road, RoadUserKind, Settings, Shape, Side, VehicleSetup, VehicleStart, World,
+    Appearance, ControllerModel, Direction, DynamicsModel, MayGo, ModelSetup, PedestrianModel,
+    PedestrianSetup, Position, Road, RoadUserKind, Settings, Shape, Side, VehicleSetup, VehicleStart, World,
 };
 use sim::{
     Command, Controller, ControllerError, Driver, Observation, Observer, RoadUsers, Schedule, Solid, Step,
@@ -83,6 +83,7 @@ pub fn walker(name: &str, model: ModelSetup<PedestrianModel>, from: f64, to: f64
         stops: Vec::new(),
         crossing: 0,
         appears: Appearance::At(0.0),
+        may_go: MayGo::AtOnce,
         reference: 0.0,
         obeys_signals: false,
     }

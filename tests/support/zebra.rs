@@ -8,8 +8,8 @@ use models::pedestrian::PedestrianContext;
 use models::standard;
 use scenario::registry::Registry;
 use scenario::{
-    Appearance, Direction, ModelSetup, PedestrianSetup, Position, Reference, Road, Settings, Shape, Side,
-    Value, VehicleReference, VehicleSetup, VehicleStart, World,
+    Appearance, Direction, MayGo, ModelSetup, PedestrianSetup, Position, Reference, Road, Settings, Shape,
+    Side, Value, VehicleReference, VehicleSetup, VehicleStart, World,
 };
 use sim::{
     Command, Controller, ControllerError, Driven, Ending, Mode, Observation, Observer, RoadUsers, Schedule,
@@ -142,6 +142,7 @@ impl Zebra {
                 stops: Vec::new(),
                 crossing: 0,
                 appears: Appearance::At(0.0),
+                may_go: MayGo::AtOnce,
                 reference: 0.0,
                 obeys_signals: false,
             }],

@@ -18,8 +18,8 @@ use crate::syntax::ast;
 use crate::value::{self, Typed};
 use crate::write::{BlockText, constant, is_name, model_text, number_of, quantity, quoted};
 use scenario::{
-    BinaryOperator, DeclaredAppearance, DeclaredPedestrian, DeclaredShape, Dimension, Expression,
-    Individuals, Membership, PedestrianModel, PopulationShare, Road, RoadUserKind, Side, Value,
+    BinaryOperator, DeclaredAppearance, DeclaredMayGo, DeclaredPedestrian, DeclaredShape, Dimension,
+    Expression, Individuals, Membership, PedestrianModel, PopulationShare, Road, RoadUserKind, Side, Value,
     VehicleReference, WalksAlong, limits, show,
 };
 
@@ -52,6 +52,7 @@ pub fn pedestrian(
         let [several, one] = people.each_mut().map(|people| people.take().map(|people| *people));
         exclude(several, one, report);
         exclude(block.appears().map(|said| *said), block.meets().map(|said| *said), report);
+        exclude(block.looks().map(|said| *said), block.may_go().map(|said| *said), report);
         exclude(block.obeys().map(|said| *said), block.ignores().map(|said| *said), report);
     }
     let what = format!(
@@ -130,6 +131,29 @@ pub fn pedestrian(
         }
         None => Some(DeclaredAppearance::At(Expression::number(0.0))),
     };
+    let permission = last(layers, ast::PedestrianBlock::permission);
+    if let Some(Said { node: ast::Appearance::Meets(meets), .. }) =
+        last(layers, ast::PedestrianBlock::appearance)
+    {
+        exclude(permission.map(|said| *said.node), Some(*meets), report);
+    }
+    let may_go = match permission {
+        Some(Said { node: ast::Permission::Looks(node), scope }) => {
+            let what = "the time for which a pedestrian looks";
+            value::quantity_within(node.time(), limits::LOOKS, what, scope, report).map(|time| {
+                written.statement(&who.name, "looks", Some(&time), places);
+                DeclaredMayGo::After(time.expression)
+            })
+        }
+        Some(Said { node: ast::Permission::MayGo(node), scope }) => {
+            may_go(Said { node, scope }, vehicles, report).map(|(may_go, time, or_after)| {
+                written.statement(&who.name, "may_go", Some(&time), places);
+                written.statement(&who.name, "or_after", Some(&or_after), places);
+                may_go
+            })
+        }
+        None => Some(DeclaredMayGo::AtOnce),
+    };
     let turned = match last(layers, ast::PedestrianBlock::turned) {
         Some(said) => turned(said, report).map(|(turned, typed)| {
             written.statement(&who.name, "turned", Some(&typed), places);
@@ -181,6 +205,8 @@ pub fn pedestrian(
             (None, _) => None,
         },
         appears: appears?,
+        may_go: may_go?,
+        may_start_inside: last(layers, ast::PedestrianBlock::may_start_inside).is_some(),
         reference: reference?,
         individuals: match individuals {
             Some(individuals) => Some(individuals?),
@@ -459,9 +485,20 @@ fn appears(
         return Some((DeclaredAppearance::At(time.expression.clone()), time));
     }
     let when = said.node.when()?;
-    let name = when.vehicle();
     let what = "the time to arrival at which a pedestrian appears";
     let time = time(when.time(), limits::APPEARS_WHEN, what, report);
+    let (vehicle, reference) = arriving(when, vehicles, report)?;
+    let time = time?;
+    Some((DeclaredAppearance::TimeToArrival { vehicle, reference, time: time.expression.clone() }, time))
+}
+
+/// The vehicle whose arrival is waited for, and its part that arrives.
+fn arriving(
+    when: ast::AppearsWhen,
+    vehicles: &[&str],
+    report: &mut Vec<Diagnostic>,
+) -> Option<(String, VehicleReference)> {
+    let name = when.vehicle();
     if !vehicles.contains(&name.text()) {
         report.push(unknown_vehicle(name, vehicles));
         return None;
@@ -470,9 +507,29 @@ fn appears(
         Some(part) if part.is_front() => VehicleReference::Front,
         _ => VehicleReference::Centre,
     };
-    let time = time?;
-    let vehicle = name.text().to_string();
-    Some((DeclaredAppearance::TimeToArrival { vehicle, reference, time: time.expression.clone() }, time))
+    Some((name.text().to_string(), reference))
+}
+
+/// When a pedestrian that waits for a time to arrival may go.
+fn may_go(
+    said: Said<ast::MayGo>,
+    vehicles: &[&str],
+    report: &mut Vec<Diagnostic>,
+) -> Option<(DeclaredMayGo, Typed, Typed)> {
+    let (when, scope) = (said.node.when(), said.scope);
+    let what = "the time to arrival at which a pedestrian may go";
+    let time = value::quantity_within(when.time(), limits::MAY_GO_WHEN, what, scope, report);
+    let what = "the time after which a pedestrian may go";
+    let or_after = value::quantity_within(said.node.or_after().time(), limits::LOOKS, what, scope, report);
+    let (vehicle, reference) = arriving(when, vehicles, report)?;
+    let (time, or_after) = (time?, or_after?);
+    let may_go = DeclaredMayGo::TimeToArrival {
+        vehicle,
+        reference,
+        time: time.expression.clone(),
+        or_after: or_after.expression.clone(),
+    };
+    Some((may_go, time, or_after))
 }
 
 /// Where on the vehicle's front it is to be hit.
@@ -596,17 +653,25 @@ pub fn write_pedestrian(person: &DeclaredPedestrian, out: &mut BlockText) {
             out.line(&format!("appears at {}", constant(time, Dimension::TIME)));
         }
         DeclaredAppearance::TimeToArrival { vehicle, reference, time } => {
-            let part = match reference {
-                VehicleReference::Centre => "",
-                VehicleReference::Front => ".front",
-            };
-            let time = constant(time, Dimension::TIME);
-            out.line(&format!("appears when time_to_arrival({vehicle}{part}) = {time}"));
+            out.line(&format!("appears {}", arrival(vehicle, *reference, time)));
         }
         DeclaredAppearance::Meets { vehicle, share, after } => {
             let after = after.as_ref().map_or_else(String::new, |way| format!(" after {}", length(way)));
             out.line(&format!("meets {vehicle} at {}{after}", constant(share, Dimension::NUMBER)));
         }
+    }
+    match &person.may_go {
+        DeclaredMayGo::AtOnce => {}
+        DeclaredMayGo::After(time) => {
+            out.line(&format!("looks for {}", constant(time, Dimension::TIME)));
+        }
+        DeclaredMayGo::TimeToArrival { vehicle, reference, time, or_after } => {
+            let or_after = constant(or_after, Dimension::TIME);
+            out.line(&format!("may go {}, or after {or_after}", arrival(vehicle, *reference, time)));
+        }
+    }
+    if person.may_start_inside {
+        out.line("may start inside");
     }
     match number_of(&person.reference) {
         unsaid if unsaid == unsaid_reference(person.kind, person.shape.is_some()) => {}
@@ -618,4 +683,13 @@ pub fn write_pedestrian(person: &DeclaredPedestrian, out: &mut BlockText) {
     }
     write_signals(person.obeys_signals, out);
     out.close();
+}
+
+/// `when time_to_arrival(av.front) = 3 s`
+fn arrival(vehicle: &str, reference: VehicleReference, time: &Expression) -> String {
+    let part = match reference {
+        VehicleReference::Centre => "",
+        VehicleReference::Front => ".front",
+    };
+    format!("when time_to_arrival({vehicle}{part}) = {}", constant(time, Dimension::TIME))
 }

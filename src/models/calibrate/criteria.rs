@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::pedestrian::commotions::meeting::{Meeting, MetDriver, PEDESTRIAN, VEHICLE};
+use crate::pedestrian::commotions::meeting::{Meeting, MetDriver, PEDESTRIAN, VEHICLE, Waiting};
 use crate::pedestrian::commotions::{Parameters, State};
 use files::{self, ReadError};
 
@@ -174,7 +174,7 @@ impl RetentionCriterion {
                 Drives::ConstantSpeed => MetDriver::Timetable(Vec::new()),
             },
             pedestrian_priority: self.pedestrian_priority,
-            entry_inhibited_until: 0.0,
+            waiting: Waiting::Inhibited(0.0),
             dt: TIME_STEP,
             end_time: DURATION,
         }

@@ -9,8 +9,8 @@ use sim::{Step, velocity_inside};
 pub fn crossing_initiation_time() -> Metric {
     let declaration = Declaration::new(
         "crossing_initiation_time",
-        "From the pedestrian's appearance to its first motion; undefined if it never \
-         moves.",
+        "From the pedestrian's appearance, or from when it may go, to its first motion; \
+         undefined if it never moves.",
     )
     .source("first moment at which it is faster than the parameter")
     .parameters([Parameter::number(
@@ -32,7 +32,7 @@ pub fn crossing_initiation_time() -> Metric {
         meters: meters(|context| {
             let threshold = context.settings.number("speed");
             let pedestrian = context.pedestrian;
-            Box::new(InitiationTime { pedestrian, threshold, appeared: None, moved: None })
+            Box::new(InitiationTime { pedestrian, threshold, let_go: None, moved: None })
         }),
     }
 }
@@ -40,7 +40,7 @@ pub fn crossing_initiation_time() -> Metric {
 struct InitiationTime {
     pedestrian: usize,
     threshold: f64,
-    appeared: Option<f64>,
+    let_go: Option<f64>,
     moved: Option<f64>,
 }
 
@@ -48,15 +48,15 @@ impl Meter for InitiationTime {
     fn observe(&mut self, step: &Step, _: &Encounters) {
         let (old, new) =
             (&step.before.pedestrians[self.pedestrian], &step.after.pedestrians[self.pedestrian]);
-        if self.moved.is_some() || !old.present {
+        if self.moved.is_some() || !old.present || !step.may_go(self.pedestrian) {
             return;
         }
-        let appeared = *self.appeared.get_or_insert(step.time);
+        let let_go = *self.let_go.get_or_insert(step.time);
         let speed = |part| velocity_inside(step.duration, old, new, part).norm();
         let (before, after) = (speed(0.0), speed(1.0));
         let part = if before > self.threshold { Some(0.0) } else { rising(before, after, self.threshold) };
         if after > self.threshold || before > self.threshold {
-            self.moved = part.map(|part| difference(step.time + part * step.duration, appeared));
+            self.moved = part.map(|part| difference(step.time + part * step.duration, let_go));
         }
     }
 
@@ -65,12 +65,12 @@ impl Meter for InitiationTime {
     }
 
     fn open(&self, _: &Encounters, end: &End) -> Option<Open> {
-        let appeared = self.appeared.filter(|_| self.moved.is_none())?;
-        Some(Open::at_least(end.time - appeared))
+        let let_go = self.let_go.filter(|_| self.moved.is_none())?;
+        Some(Open::at_least(end.time - let_go))
     }
 
     fn instant(&self, _: &Encounters) -> Option<f64> {
-        Some(self.appeared? + self.moved?)
+        Some(self.let_go? + self.moved?)
     }
 }
 
@@ -119,7 +119,7 @@ impl Meter for CrossingDuration {
 pub fn pedestrian_delay() -> Metric {
     let declaration = Declaration::new(
         "pedestrian_delay",
-        "Time from appearance to the far edge of the vehicle's lane beyond that of a \
+        "Time from appearance, or from when it may go, to the far edge of the vehicle's lane beyond that of a \
          free walk straight towards the goal. Negative is time saved, by going faster \
          than its free speed or by a shorter way than the straight one to the goal; 0 \
          is as if nobody else were there. Undefined if it never gets across.",
@@ -162,13 +162,13 @@ impl PedestrianDelay {
 impl Meter for PedestrianDelay {
     fn value(&self, encounters: &Encounters) -> Option<f64> {
         let encounter = encounters.pair(self.pair.0, self.pair.1);
-        Some(difference(encounter.crossing?.left - encounter.appeared?, self.free_time?))
+        Some(difference(encounter.crossing?.left - encounter.let_go?, self.free_time?))
     }
 
     fn open(&self, encounters: &Encounters, end: &End) -> Option<Open> {
         let encounter = encounters.pair(self.pair.0, self.pair.1);
-        let appeared = encounter.appeared.filter(|_| encounter.crosses && encounter.crossing.is_none())?;
-        Some(Open::at_least(end.time - appeared - self.free_time?))
+        let let_go = encounter.let_go.filter(|_| encounter.crosses && encounter.crossing.is_none())?;
+        Some(Open::at_least(end.time - let_go - self.free_time?))
     }
 
     fn instant(&self, encounters: &Encounters) -> Option<f64> {

@@ -104,6 +104,7 @@ fn observe(world: &World, requests: &[MetricReference], car: &Profile, walk: &Wa
             sightings: &[],
             abreast: &Abreast::default(),
             views: Default::default(),
+            may_go: None,
             minds: Minds::default(),
         };
         if let Some(moment) = collision {

@@ -3,7 +3,9 @@
 use nalgebra::Vector2;
 
 use super::{PedestrianContext, PedestrianModel};
-use scenario::{Appearance, Direction, Path, PedestrianSetup, Position, Road, Settings, Shape, Side, World};
+use scenario::{
+    Appearance, Direction, MayGo, Path, PedestrianSetup, Position, Road, Settings, Shape, Side, World,
+};
 use sim::fixture::nobody;
 use sim::{Longitudinal, ModelError, Motion, Pedestrian, PedestrianState, Scene, VehicleState};
 
@@ -156,6 +158,7 @@ pub fn world() -> World {
             stops: Vec::new(),
             crossing: 0,
             appears: Appearance::At(0.0),
+            may_go: MayGo::AtOnce,
             reference: 0.0,
             obeys_signals: false,
         }],

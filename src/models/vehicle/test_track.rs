@@ -4,7 +4,7 @@ use nalgebra::Vector2;
 
 use super::{ControllerContext, ControllerModel};
 use scenario::{
-    Appearance, Direction, PedestrianSetup, Position, Road, Settings, Shape, Side, VehicleSetup,
+    Appearance, Direction, MayGo, PedestrianSetup, Position, Road, Settings, Shape, Side, VehicleSetup,
     VehicleStart, World,
 };
 use sim::fixture::nobody;
@@ -212,6 +212,7 @@ pub fn walker() -> PedestrianSetup {
         stops: Vec::new(),
         crossing: 0,
         appears: Appearance::At(0.0),
+        may_go: MayGo::AtOnce,
         reference: 0.0,
         obeys_signals: false,
     }

@@ -38,7 +38,7 @@ pub use error::ExperimentError;
 pub use needs::{Need, needs};
 pub use overrides::apply as apply_settings;
 pub use parameters::ParameterFile;
-pub(crate) use rehearsal::rehearse_searches;
+pub(crate) use rehearsal::{rehearse_searches, search_ends};
 pub use search::run_search;
 pub(crate) use search::search_group;
 pub use searched::searched_case;

@@ -4,12 +4,27 @@ use super::{overrides, searched};
 use crate::plan::{self, PlanError};
 use crate::run::{Obstacle, Stage};
 use optimise::Space;
-use scenario::{Individual, Scenario, Search, Suite};
+use scenario::{Case, Individual, Scenario, Search, Suite};
 
 /// Plans a run at both ends of each range of every search, all other values where a run is possible, and if that is so for each,
 /// where the ends of several come together.
 pub fn rehearse_searches(suite: &Suite) -> Vec<Obstacle> {
     suite.searches.iter().flat_map(|search| rehearse(suite, search).unwrap_or_default()).collect()
+}
+
+/// Runs at the middle and at the ends of what a search can try, where they are possible.
+pub fn search_ends(suite: &Suite, search: &Search) -> Vec<Case> {
+    let runs = || {
+        let declared = suite.scenarios.iter().find(|scenario| scenario.name == search.scenario)?;
+        let scenario = searched::with_individuals(declared, search);
+        let people = plan::select_people(suite.seed, &scenario).ok()?.into_iter().next()?;
+        let space = overrides::space(&search.over).ok()?;
+        let dimensions = search.over.len();
+        let points = std::iter::once(vec![0.5; dimensions]).chain(corners(dimensions));
+        let run = |point: Vec<f64>| attempt(suite, &scenario, search, &people, &space, &point).ok().flatten();
+        Some(points.filter_map(run).collect())
+    };
+    runs().unwrap_or_default()
 }
 
 /// `None` where something else is wrong, which is found elsewhere.
@@ -62,7 +77,7 @@ fn corners(dimensions: usize) -> impl Iterator<Item = Vec<f64>> {
     })
 }
 
-/// Plans the first run at a point of the unit cube.
+/// Plans the first run at a point of the unit cube; `None` where the search itself is wrong.
 fn attempt(
     suite: &Suite,
     scenario: &Scenario,
@@ -70,16 +85,16 @@ fn attempt(
     people: &[Individual],
     space: &Space,
     unit: &[f64],
-) -> Result<(), PlanError> {
+) -> Result<Option<Case>, PlanError> {
     let point = space.point(unit);
     let mut scenario = overrides::without_variations(scenario, &search.over);
     // That there is such a setting was checked with the search.
     if overrides::apply(&mut scenario, &overrides::settings(&search.over, &point)).is_err() {
-        return Ok(());
+        return Ok(None);
     }
     let fixed = overrides::assignments(&search.over, &point);
     let combinations = plan::combinations(suite.seed, &scenario, plan::variables(&fixed))?;
-    let Some(combination) = combinations.into_iter().next() else { return Ok(()) };
+    let Some(combination) = combinations.into_iter().next() else { return Ok(None) };
     let variation = [fixed, combination].concat();
     let shown = search.over.iter().zip(&point).map(|(range, value)| {
         let name = &range.target;
@@ -87,5 +102,5 @@ fn attempt(
         format!("/{name}={}", shown.unwrap_or_else(|| value.to_string()))
     });
     let key = format!("{}/{}{}", suite.key_name(), search.name, shown.collect::<String>());
-    plan::concrete_case(&scenario, key, variation, people.to_vec(), 1, suite.seed).map(|_| ())
+    plan::concrete_case(&scenario, key, variation, people.to_vec(), 1, suite.seed).map(Some)
 }

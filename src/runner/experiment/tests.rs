@@ -16,11 +16,11 @@ use crate::run::{Executor, Threads};
 use models::standard;
 use scenario::registry::Table;
 use scenario::{
-    self, Aggregate, Block, Budget, CaseSet, Comparison as Bound, DeclaredAppearance, DeclaredPedestrian,
-    DeclaredStanding, DeclaredVehicleStart, Direction, Evaluate, Expression, Goal, Individuals,
-    InitialDesign, Keep, Measure, Measured, Membership, MetricReference, Model, Objective, Origin,
-    OutcomesOf, ParameterSet, Part, PopulationShare, Quantity, RangeValues, Registered, Relation, Road,
-    SampleSize, Scenario, Search, SearchMethod, SearchRange, Side, Statement, StatementClaim,
+    self, Aggregate, Block, Budget, CaseSet, Comparison as Bound, DeclaredAppearance, DeclaredMayGo,
+    DeclaredPedestrian, DeclaredStanding, DeclaredVehicleStart, Direction, Evaluate, Expression, Goal,
+    Individuals, InitialDesign, Keep, Measure, Measured, Membership, MetricReference, Model, Objective,
+    Origin, OutcomesOf, ParameterSet, Part, PopulationShare, Quantity, RangeValues, Registered, Relation,
+    Road, SampleSize, Scenario, Search, SearchMethod, SearchRange, Side, Statement, StatementClaim,
     StatementClaimKind, Suite, Target, TrendDirection, Tune, Value, Variation, VariationCondition,
     VariedValue, Vehicle, VehicleReference, WhenUndefined,
 };
@@ -98,6 +98,8 @@ fn scenario() -> Scenario {
                 reference: VehicleReference::Centre,
                 time: Expression::Variable("tta".into()),
             },
+            may_go: DeclaredMayGo::AtOnce,
+            may_start_inside: false,
             individuals: Some(Individuals {
                 selection: PopulationShare::Count(3),
                 population: "standard".into(),

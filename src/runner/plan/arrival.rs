@@ -1,16 +1,19 @@
-//! A time to arrival must not be past when the run begins: the pedestrian would appear at once, at another time than the file says.
+//! A time to arrival must not be past when a pedestrian begins to wait for it: it would appear or go at once, at another time than the file
+//! says.
 
 use rayon::prelude::*;
 
 use super::error::PlanError;
 use scenario::{
-    Case, DeclaredAppearance, DeclaredVehicleStart, Dimension, Notation, Origin, Scenario, World, show_apart,
-    significant,
+    Case, DeclaredAppearance, DeclaredMayGo, DeclaredVehicleStart, Dimension, Notation, Origin, Scenario,
+    World, show_apart, significant,
 };
 use sim::{PastArrival, beginning, past_arrival};
 
 /// Leaves room for rounding in a time to arrival, s.
 const ROUNDING: f64 = 1e-6;
+
+const LATER_OR_EARLIER: &str = "let it appear earlier, or go at a shorter time to arrival";
 
 /// So many runs of a scenario that draws are looked at, at most.
 const MOST_COUNTED: usize = 100_000;
@@ -30,24 +33,30 @@ pub fn check_arrivals(scenario: &Scenario, world: &World) -> Result<(), PlanErro
 pub fn past_arrival_words(world: &World, past: &PastArrival, unit: Option<Notation>) -> (String, String) {
     let (person, car) = (&world.pedestrians[past.pedestrian], &world.vehicles[past.vehicle].name);
     let (name, kind) = (&person.name, person.kind.word());
-    let (wanted, at_start) = in_words(past, unit);
+    let (wanted, left) = in_words(past, unit);
+    if past.to_go {
+        let message = format!(
+            "{kind} `{name}` may go at a time to arrival of {wanted}, and `{car}` {left} when it appears"
+        );
+        return (message, LATER_OR_EARLIER.to_string());
+    }
     let message = format!(
-        "{kind} `{name}` is to appear at a time to arrival of {wanted}, and `{car}` {at_start} at the start"
+        "{kind} `{name}` is to appear at a time to arrival of {wanted}, and `{car}` {left} at the start"
     );
     (message, format!("leave `start` of `{car}` out: it then starts as far away as it has to"))
 }
 
 /// The time to arrival that is waited for, and where the vehicle is at the start.
 fn in_words(past: &PastArrival, unit: Option<Notation>) -> (String, String) {
-    let PastArrival { wanted, at_start, .. } = *past;
+    let PastArrival { wanted, left, .. } = *past;
     let number = |time: f64| (time, Dimension::TIME, unit);
-    let mut shown = show_apart(&[number(wanted), number(at_start)]).into_iter();
+    let mut shown = show_apart(&[number(wanted), number(left)]).into_iter();
     let wanted = shown.next().unwrap_or_default();
-    let at_start = match shown.next() {
-        Some(time) if at_start >= 0.0 => format!("is {time} away"),
+    let left = match shown.next() {
+        Some(time) if left >= 0.0 => format!("is {time} away"),
         _ => "is past the place".to_string(),
     };
-    (wanted, at_start)
+    (wanted, left)
 }
 
 fn first_past(scenario: &Scenario, world: &World) -> Option<PastArrival> {
@@ -58,22 +67,26 @@ fn first_past(scenario: &Scenario, world: &World) -> Option<PastArrival> {
     past_arrival(world, &beginning(world), ROUNDING)
 }
 
-/// Whether a pedestrian waits for the time to arrival of a vehicle whose start is said.
+/// Whether a pedestrian waits to go for a time to arrival, or to appear for that of a vehicle whose start is said.
 fn may_be_past(scenario: &Scenario) -> bool {
     let says_start = |name: &String| {
         let mut vehicles = scenario.vehicles.iter().filter(|car| car.name == *name);
         vehicles.any(|car| !matches!(car.start, DeclaredVehicleStart::Automatic))
     };
-    scenario.pedestrians.iter().any(|person| match &person.appears {
-        DeclaredAppearance::TimeToArrival { vehicle, .. } => says_start(vehicle),
-        DeclaredAppearance::At(_) | DeclaredAppearance::Meets { .. } => false,
+    scenario.pedestrians.iter().any(|person| {
+        let waits_to_appear = match &person.appears {
+            DeclaredAppearance::TimeToArrival { vehicle, .. } => says_start(vehicle),
+            DeclaredAppearance::At(_) | DeclaredAppearance::Meets { .. } => false,
+        };
+        waits_to_appear || matches!(person.may_go, DeclaredMayGo::TimeToArrival { .. })
     })
 }
 
 /// Where the time to arrival is written, and in which unit.
 fn written<'s>(scenario: &'s Scenario, world: &World, past: &PastArrival) -> (&'s Origin, Option<Notation>) {
     let name = &world.pedestrians[past.pedestrian].name;
-    match scenario.written.get(&format!("{name}.appears")) {
+    let said = if past.to_go { "may_go" } else { "appears" };
+    match scenario.written.get(&format!("{name}.{said}")) {
         Some(said) => (&said.origin, said.notation),
         None => (&scenario.pedestrians[past.pedestrian].origin, None),
     }
@@ -102,17 +115,22 @@ pub fn check_drawn_arrivals(
     let Some((case, first)) = found.first().and_then(|run| past(*run)) else { return Ok(()) };
     let (origin, unit) = written(scenario, &case.world, &first);
     let (person, car) = (&case.world.pedestrians[first.pedestrian], &case.world.vehicles[first.vehicle].name);
-    let (name, kind, (wanted, at_start)) = (&person.name, person.kind.word(), in_words(&first, unit));
+    let (name, kind, (wanted, left)) = (&person.name, person.kind.word(), in_words(&first, unit));
     let share = significant(100.0 * found.len() as f64 / looked_at as f64, 2);
     let all = if looked_at < runs { format!("first {looked_at}") } else { format!("{looked_at}") };
+    let (does, when) =
+        if first.to_go { ("may go", "when it appears") } else { ("is to appear", "at the start") };
     let message = format!(
-        "in {} of the {all} runs to be made ({share} %) {kind} `{name}` is to appear at a time to arrival that is past at the start: in the \
-         first of them at {wanted}, and `{car}` {at_start}",
+        "in {} of the {all} runs to be made ({share} %) {kind} `{name}` {does} at a time to arrival that is past {when}: in the first of them \
+         at {wanted}, and `{car}` {left}",
         found.len(),
     );
-    let hint = format!(
-        "leave `start` of `{car}` out: it then starts as far away as it has to; or cut what is drawn where that begins: \
-         `truncated_normal(mean, standard deviation, low, high)`"
-    );
+    let hint = match first.to_go {
+        true => LATER_OR_EARLIER.to_string(),
+        false => format!(
+            "leave `start` of `{car}` out: it then starts as far away as it has to; or cut what is drawn where that begins: \
+             `truncated_normal(mean, standard deviation, low, high)`"
+        ),
+    };
     Err(PlanError::new(origin, message).with_hint(hint).in_case(&case.key))
 }

@@ -5,9 +5,9 @@ use super::error::PlanError;
 use super::overlap::refuse_overlaps;
 use scenario::limits::{self, Limit};
 use scenario::{
-    Appearance, Body, CrossingKind, DeclaredPedestrian, DeclaredVehicleStart, Dimension, ModelSetup, Origin,
-    ParameterKind, PedestrianSetup, Registered, Road, Scenario, Shape, TrafficSignal, Value, VehicleSetup,
-    VehicleStart, World, out_of_range, show,
+    Appearance, Body, CrossingKind, DeclaredPedestrian, DeclaredVehicleStart, Dimension, MayGo, ModelSetup,
+    Origin, ParameterKind, PedestrianSetup, Registered, Road, Scenario, Shape, TrafficSignal, Value,
+    VehicleSetup, VehicleStart, World, out_of_range, show,
 };
 
 /// Whether the world, which `scenario` was resolved to, can be run: every number finite and within its limits, nobody
@@ -300,8 +300,44 @@ impl<'a> Checker<'a> {
                 self.finite(met, place, own)?;
             }
         }
+        self.may_go(setup, declared)?;
         within("reference", "reference point", setup.reference, limits::REFERENCE)?;
         self.settings((name, "model"), &setup.model, &declared.model.origin)
+    }
+
+    /// When a pedestrian may go: in the run, at least.
+    fn may_go(&self, setup: &PedestrianSetup, declared: &DeclaredPedestrian) -> Result<(), PlanError> {
+        let (name, own, kind) = (&setup.name, &declared.origin, setup.kind.word());
+        let of = |what: &'static str| move || format!("the time {what} {kind} `{name}` may go");
+        let (key, longest) = match setup.may_go {
+            MayGo::AtOnce => return Ok(()),
+            MayGo::After(time) => {
+                let what = || format!("the time for which {kind} `{name}` looks");
+                self.within(&[name, "looks"], what, time, limits::LOOKS, own)?;
+                ("looks", time)
+            }
+            MayGo::TimeToArrival { time, or_after, .. } => {
+                self.within(&[name, "may_go"], of("to arrival at which"), time, limits::MAY_GO_WHEN, own)?;
+                self.within(&[name, "or_after"], of("after which"), or_after, limits::LOOKS, own)?;
+                ("or_after", or_after)
+            }
+        };
+        let from = match setup.appears {
+            Appearance::At(time) => time,
+            Appearance::TimeToArrival { .. } | Appearance::Meeting { .. } => 0.0,
+        };
+        if from + longest < self.scenario.horizon {
+            return Ok(());
+        }
+        let said = self.scenario.written.get(&format!("{name}.{key}"));
+        let time = |value| show(value, said.and_then(|said| said.notation), Dimension::TIME);
+        let message = format!(
+            "{kind} `{name}` may go at {} at the latest, and the run is over at {}",
+            time(from + longest),
+            time(self.scenario.horizon)
+        );
+        Err(PlanError::new(said.map_or(own, |said| &said.origin), message)
+            .with_hint("let it look less long or appear earlier, or raise `horizon`"))
     }
 
     /// Of somebody who walks straight across a straight road.

@@ -284,7 +284,7 @@ pub fn label(people: &[Individual]) -> String {
 mod tests {
     use super::*;
     use models::standard;
-    use scenario::{DeclaredAppearance, Direction, Model, Origin, Road, Side};
+    use scenario::{DeclaredAppearance, DeclaredMayGo, Direction, Model, Origin, Road, Side};
 
     fn pedestrian(
         name: &str,
@@ -316,6 +316,8 @@ mod tests {
             turned: number(0.0),
             walks: None,
             appears: DeclaredAppearance::At(number(0.0)),
+            may_go: DeclaredMayGo::AtOnce,
+            may_start_inside: false,
             reference: number(0.0),
             obeys_signals: None,
             individuals: Some(Individuals {

@@ -135,8 +135,8 @@ pub(super) fn check_people(scenario: &Scenario, world: &World) -> Result<(), Pla
                 "where roads lie over each other people go straight to their goals: let it cross, or take a road without `path`",
             ));
         }
-        let waits = declared.appears.awaits();
-        let awaited = world.vehicles.iter().find(|car| car.road > 0 && Some(car.name.as_str()) == waits);
+        let waits = |car: &&scenario::VehicleSetup| declared.awaits().any(|name| name == car.name);
+        let awaited = world.vehicles.iter().filter(|car| car.road > 0).find(waits);
         if let Some(car) = awaited.filter(|car| world.crosses_from(setup, car).is_none()) {
             let message = format!(
                 "the way of {} `{name}` does not lead across the lane of `{}` on road `{}`",
@@ -145,7 +145,7 @@ pub(super) fn check_people(scenario: &Scenario, world: &World) -> Result<(), Pla
                 world.road_of(car).name
             );
             return Err(PlanError::new(&declared.origin, message)
-                .with_hint("let it appear at a time, `appears at 2 s`, or when another vehicle comes"));
+                .with_hint("let it appear at a time, `appears at 2 s`, or wait for another vehicle"));
         }
     }
     Ok(())

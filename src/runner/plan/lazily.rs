@@ -119,7 +119,7 @@ struct Planned {
 }
 
 impl ScenarioPlan {
-    fn new(suite: &Suite, scenario: &Scenario) -> Result<Self, PlanError> {
+    pub(super) fn new(suite: &Suite, scenario: &Scenario) -> Result<Self, PlanError> {
         let people = select(suite.seed, scenario)?;
         let draws = RunDraws::of(scenario, &Variables::new(), &[])?;
         let owned = Cow::Owned(scenario.clone());

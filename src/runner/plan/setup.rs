@@ -10,10 +10,10 @@ use super::places::{crossing_used, road, stops, way};
 use super::variables::{Variables, number};
 use scenario::{
     AT_THE_CROSSING, Appearance, ControllerModel, Declaration, DeclaredAppearance, DeclaredFollowing,
-    DeclaredPedestrian, DeclaredShape, DeclaredVehicleStart, Dimension, Expression, Individual, Model,
-    ModelSetup, Origin, ParameterKind, PedestrianSetup, REAR_AXLE, Road, Scenario, SettingError, Settings,
-    Shape, SignalConduct, SignalError, Value, Vehicle, VehicleReference, VehicleSetup, VehicleStart, World,
-    show,
+    DeclaredMayGo, DeclaredPedestrian, DeclaredShape, DeclaredVehicleStart, Dimension, Expression,
+    Individual, MayGo, Model, ModelSetup, Origin, ParameterKind, PedestrianSetup, REAR_AXLE, Road, Scenario,
+    SettingError, Settings, Shape, SignalConduct, SignalError, Value, Vehicle, VehicleReference,
+    VehicleSetup, VehicleStart, World, show,
 };
 
 /// The checked world of `scenario` where the variations have the values `variables`, with these people in it.
@@ -234,14 +234,13 @@ fn pedestrian_setup(
     let appears = match &declared.appears {
         DeclaredAppearance::At(time) => Appearance::At(number(time)?),
         DeclaredAppearance::TimeToArrival { vehicle, reference, time } => {
-            let index = scenario.vehicles.iter().position(|car| car.name == *vehicle).ok_or_else(|| {
-                PlanError::new(&declared.origin, format!("there is no vehicle called `{vehicle}`"))
-            })?;
-            Appearance::TimeToArrival { vehicle: index, reference: *reference, time: number(time)? }
+            let vehicle = vehicle_named(scenario, vehicle, &declared.origin)?;
+            Appearance::TimeToArrival { vehicle, reference: *reference, time: number(time)? }
         }
         // Known once the vehicle is.
         DeclaredAppearance::Meets { .. } => Appearance::At(0.0),
     };
+    let may_go = may_go(scenario, declared, variables)?;
     let mut given = evaluate(&declared.model, variables)?;
     if let Some(person) = people.iter().find(|person| person.pedestrian == declared.name) {
         // What the scenario says wins over the individual.
@@ -265,8 +264,10 @@ fn pedestrian_setup(
         stops: stops(road, declared, (start, goal))?,
         crossing: crossing_used(road, declared)?.0,
         appears,
+        may_go,
         reference: number(&declared.reference)?,
     };
+    refuse_useless_look(scenario, declared, &setup)?;
     if setup.follows.is_some() && setup.keeps_clear().is_some() {
         let (kind, name, model) = (declared.kind.word(), &declared.name, &setup.model.model);
         let message = format!(
@@ -300,6 +301,52 @@ fn pedestrian_setup(
     }
     setup.obeys_signals = met;
     Ok(setup)
+}
+
+fn vehicle_named(scenario: &Scenario, name: &str, origin: &Origin) -> Result<usize, PlanError> {
+    let found = scenario.vehicles.iter().position(|car| car.name == name);
+    found.ok_or_else(|| PlanError::new(origin, format!("there is no vehicle called `{name}`")))
+}
+
+/// When a pedestrian may go.
+fn may_go(
+    scenario: &Scenario,
+    declared: &DeclaredPedestrian,
+    variables: &Variables,
+) -> Result<MayGo, PlanError> {
+    let number = |expression: &Expression| number(expression, variables, &declared.origin);
+    Ok(match &declared.may_go {
+        DeclaredMayGo::AtOnce => MayGo::AtOnce,
+        DeclaredMayGo::After(time) => match number(time)? {
+            0.0 => MayGo::AtOnce,
+            time => MayGo::After(time),
+        },
+        DeclaredMayGo::TimeToArrival { vehicle, reference, time, or_after } => MayGo::TimeToArrival {
+            vehicle: vehicle_named(scenario, vehicle, &declared.origin)?,
+            reference: *reference,
+            time: number(time)?,
+            or_after: number(or_after)?,
+        },
+    })
+}
+
+/// A look changes nothing but the start of a pedestrian that walks the same whatever it sees.
+fn refuse_useless_look(
+    scenario: &Scenario,
+    declared: &DeclaredPedestrian,
+    setup: &PedestrianSetup,
+) -> Result<(), PlanError> {
+    let is_fixed = setup.model.model.known().is_some_and(|model| (model.is_fixed)(&setup.model.settings));
+    if !is_fixed || !matches!(setup.may_go, MayGo::After(_)) {
+        return Ok(());
+    }
+    let (kind, name, model) = (declared.kind.word(), &declared.name, &setup.model.model);
+    let said = scenario.written.get(&format!("{name}.looks"));
+    let origin = said.map_or(&declared.origin, |said| &said.origin);
+    let message = format!("{kind} `{name}` looks, and `{model}` walks the same whatever it sees");
+    Err(PlanError::new(origin, message).with_hint(
+        "take a model that reacts, such as `commotions`; or say when it sets off, as `scripted` does with `delay`",
+    ))
 }
 
 /// Where a scenario says what somebody does about signals.

@@ -136,7 +136,22 @@ impl RunError {
             },
             Fault::PastArrival(past) => {
                 let (message, hint) = past_arrival_words(world, &past, None);
-                Self::NoEncounter { message, hint, begun: false }
+                Self::NoEncounter { message, hint, begun: past.to_go }
+            }
+            Fault::NeverMayGo { pedestrian, may_go, time } => {
+                let person = &world.pedestrians[pedestrian];
+                let time_of = |moment| show(moment, None, Dimension::TIME);
+                Self::NoEncounter {
+                    message: format!(
+                        "{} `{}` may go at {} at the latest, and the run ends at {} before it did",
+                        person.kind.word(),
+                        person.name,
+                        time_of(may_go),
+                        time_of(time)
+                    ),
+                    hint: "let it look less long or appear earlier, or raise `horizon`".to_string(),
+                    begun: true,
+                }
             }
         }
     }

@@ -1,7 +1,11 @@
 //! Models that a world makes other ones than were published: what every report and baseline names.
 
-use crate::plan::PlannedTrial;
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use crate::plan::{PlannedTrial, too_near_words};
 use scenario::{Case, Departure, ModelSetup, Origin, Registered, Scenario, World};
+use sim::{TooNear, too_near};
 
 /// A road user whose model is another one than was published.
 #[derive(Debug, Clone, PartialEq)]
@@ -31,18 +35,40 @@ fn of_model<T: Registered>(setup: &ModelSetup<T>) -> Vec<Departure> {
     declaration.map(|declaration| declaration.departures(&setup.settings)).unwrap_or_default()
 }
 
-/// What is to be warned of in a trial, each thing once: `` `walker`: `dt` of `commotions` is … ``.
+/// What is to be warned of in a trial, each thing once: `` `walker`: `dt` of `commotions` is … ``, and people who cannot wait where they set
+/// out.
 pub fn departures(trial: &PlannedTrial) -> Vec<String> {
     let mut said = Vec::new();
-    for world in trial.cases.worlds() {
-        for (who, departure) in of_world(&world) {
+    let worlds = trial.cases.worlds();
+    for world in &worlds {
+        for (who, departure) in of_world(world) {
             let text = format!("`{who}`: {departure}");
             if !said.contains(&text) {
                 said.push(text);
             }
         }
     }
+    said.extend(without_room(&worlds));
     said
+}
+
+/// Every place from which people set out too near to a lane for waiting, of each the nearest.
+fn without_room(worlds: &[Arc<World>]) -> Vec<String> {
+    let mut nearest: BTreeMap<(usize, usize), (TooNear, &World, usize)> = BTreeMap::new();
+    for world in worlds {
+        for found in too_near(world) {
+            let known = nearest.entry((found.pedestrian, found.refuge)).or_insert((found, world, 0));
+            known.2 += 1;
+            if found.missing() > known.0.missing() {
+                (known.0, known.1) = (found, world);
+            }
+        }
+    }
+    let words = |(found, world, times): &(TooNear, &World, usize)| match *times == worlds.len() {
+        true => too_near_words(world, found),
+        false => format!("in {times} of {} worlds looked at {}", worlds.len(), too_near_words(world, found)),
+    };
+    nearest.values().map(words).collect()
 }
 
 /// Adds what departs in a case of a scenario to what was `found` in others, each thing once.

@@ -224,7 +224,7 @@ fn leave_out(shrunk: &mut Shrunk, trials: &mut Trials) {
     for name in everybody {
         let mut place = shrunk.place.clone();
         let scenario = &mut place.scenario;
-        let awaited = scenario.pedestrians.iter().any(|one| one.appears.awaits() == Some(name.as_str()));
+        let awaited = scenario.pedestrians.iter().any(|one| one.awaits().any(|awaited| awaited == name));
         scenario.pedestrians.retain(|one| one.name != name);
         scenario.vehicles.retain(|car| car.name != name);
         place.individuals.retain(|one| one.pedestrian != name);

@@ -27,8 +27,13 @@ pub use steered::Steered;
 
 /// A pedestrian model. It sees states as they are now, never the future or another's internals.
 pub trait Pedestrian: Send {
-    /// Decides what to do from now until the next step. Called at every step from its appearance on.
+    /// Decides what to do from now until the next step. Called at every step from the moment on from which it may go, which is that of its
+    /// appearance unless the scenario says otherwise.
     fn act(&mut self, scene: &Scene) -> Motion;
+
+    /// Called instead of [`Self::act`] at every step at which it is there and may not go yet: it stands, and what it sees may count
+    /// later. Models that decide by what is there at the moment need nothing of that.
+    fn look(&mut self, _scene: &Scene) {}
 
     /// Told before [`Self::act`] where a refuge is reached and another leg of the way begins; it stands there.
     fn begin_leg(&mut self, _scene: &Scene) {}

@@ -139,12 +139,12 @@ fn a_time_to_arrival_that_is_past_at_the_start_is_a_fault() {
     };
     assert_eq!(run(&world(5.02), 1.0).1.appeared_at, Some(0.0));
     let Fault::PastArrival(past) = fault(&world(8.0)) else { panic!("it is past") };
-    assert_eq!((past.pedestrian, past.vehicle, past.wanted, past.at_start), (0, 0, 8.0, 5.0));
+    assert_eq!((past.pedestrian, past.vehicle, past.wanted, past.left), (0, 0, 8.0, 5.0));
     // The vehicle has passed the place.
     let mut behind = world(1.0);
     behind.vehicles[0].start = VehicleStart::Distance(-10.0);
     let Fault::PastArrival(past) = fault(&behind) else { panic!("it is past") };
-    assert_eq!(past.at_start, -1.0);
+    assert_eq!(past.left, -1.0);
 }
 
 #[test]

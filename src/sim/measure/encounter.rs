@@ -53,6 +53,8 @@ pub struct Encounter {
     pub crosses: bool,
     /// When the pedestrian appeared, s.
     pub appeared: Option<f64>,
+    /// When the pedestrian might go, s.
+    pub let_go: Option<f64>,
     /// The first touch of the footprints.
     pub contact: Option<Contact>,
     /// Every time the pedestrian's centre passes the line, in order, in either direction.
@@ -128,6 +130,7 @@ impl Encounters {
             half_lane: world.road_of(car).lane_width / 2.0,
             crosses: world.crosses_from(&world.pedestrians[pedestrian], car).is_some(),
             appeared: None,
+            let_go: None,
             contact: None,
             passings: Vec::with_capacity(EXPECTED_EVENTS),
             visits: Vec::with_capacity(EXPECTED_EVENTS),
@@ -356,6 +359,9 @@ impl Encounter {
         let (old_car, car) = (&step.before.vehicles[vehicle], &step.after.vehicles[vehicle]);
         let (old, new) = (&step.before.pedestrians[pedestrian], &step.after.pedestrians[pedestrian]);
         self.appeared.get_or_insert(step.time);
+        if step.may_go(pedestrian) {
+            self.let_go.get_or_insert(step.time);
+        }
         if let Some(ahead) = &mut self.ahead {
             ahead.time = ahead.contact.look(step.time + step.duration, car, new);
         }

@@ -60,6 +60,10 @@ views! {
         appearance: (Appearance),
         appears: (Appears),
         meets: (Meets),
+        looks: (Looks),
+        may_go: (MayGo),
+        may_start_inside: (MayStartInside),
+        permission: (Permission),
         reference: (ReferencePoint),
         signals: (SignalRule),
         obeys: (Obeys),
@@ -101,6 +105,13 @@ views! {
     Meets = meets { vehicle: Name, share: Expression, after: (MetAfter) }
     /// `after 11 m`
     MetAfter = met_after { way: Expression }
+    /// `looks for 1 s`
+    Looks = looks { time: Expression }
+    /// `may go when time_to_arrival(av) = 3 s, or after 8 s`
+    MayGo = may_go { when: AppearsWhen, or_after: OrAfter }
+    OrAfter = or_after { time: Expression }
+    /// `may start inside`
+    MayStartInside = may_start_inside {}
     /// `obeys signals`
     Obeys = obeys {}
     /// `ignores signals`
@@ -116,6 +127,8 @@ choices! {
     Shape = Size | Radius;
     /// What says when a pedestrian enters the world.
     Appearance = Appears | Meets;
+    /// What says when a pedestrian that is there may go.
+    Permission = Looks | MayGo;
     /// What somebody does about the signal of the crossing.
     SignalRule = Obeys | Ignores;
 }
@@ -341,6 +354,28 @@ pub static PEDESTRIAN: BlockEntry = BlockEntry {
         )
         .key("meets", YamlShape::Words)
         .set_where_said(),
+        statement(
+            "looks",
+            Rule::looks,
+            "looks for 1 s",
+            "It stands for so long where it appears, and what it sees counts, before it takes its first decision; without it, it decides at first sight.",
+        )
+        .key("looks", YamlShape::Words)
+        .set("looks for ", ""),
+        statement(
+            "may go",
+            Rule::may_go,
+            "may go when time_to_arrival(av) = 3 s, or after 8 s",
+            "It stands and looks until a vehicle is so near, but no longer than so long: a vehicle that stops for it never arrives.",
+        )
+        .key("may_go", YamlShape::Words),
+        statement(
+            "may start inside",
+            Rule::may_start_inside,
+            "may start inside",
+            "Says that it may start so near to a lane that its model cannot wait there, so that this is no error but a line of the report.",
+        )
+        .key("may_start_inside", YamlShape::Flag),
         statement(
             "reference",
             Rule::reference_point,

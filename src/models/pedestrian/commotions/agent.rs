@@ -155,13 +155,23 @@ impl CommotionsAgent {
         rules: &Rules,
         draws: &mut impl StandardNormals,
     ) -> AgentDecision {
+        let sight = self.only_sight(own, other);
+        self.step_among(&[sight], rules, draws).unwrap_or(AgentDecision { acceleration: 0.0, action: None })
+    }
+
+    /// As [`Self::look_among`] with one other.
+    pub fn look(&mut self, own: &State, other: &State, rules: &Rules, draws: &mut impl StandardNormals) {
+        let sight = self.only_sight(own, other);
+        self.look_among(&[sight], rules, draws);
+    }
+
+    fn only_sight(&self, own: &State, other: &State) -> Sight {
         let conflict = if self.others[0].is_left_behind(own.distance) {
             ConflictState::Over
         } else {
             ConflictState::Open
         };
-        let sight = Sight { other: 0, path: 0, own: *own, state: *other, apart: None, conflict };
-        self.step_among(&[sight], rules, draws).unwrap_or(AgentDecision { acceleration: 0.0, action: None })
+        Sight { other: 0, path: 0, own: *own, state: *other, apart: None, conflict }
     }
 
     /// One step among several others: what to do, given what all publish. `None` where there is nobody to decide about:
@@ -177,6 +187,45 @@ impl CommotionsAgent {
         rules: &Rules,
         draws: &mut impl StandardNormals,
     ) -> Option<AgentDecision> {
+        let (met, read) = match self.think(sights, rules, draws)? {
+            Thinking::Finished => {
+                self.plan.clear();
+                self.decider.clear();
+                return self.decided.then_some(AgentDecision { acceleration: 0.0, action: None });
+            }
+            Thinking::Weighed { met, read } => (met, read),
+        };
+        let mut deviates = DrawnOnce::from(&mut self.drawn, read, draws);
+        let values = values_of_actions(&self.others, &self.plan, met, sights);
+        let action = self.decider.decide(&values, &mut deviates);
+        deviates.forget_read();
+        if let Some(j) = action {
+            self.plan.take(j);
+            if self.decider.forgets_by_acting() {
+                self.others.iter_mut().for_each(Other::forget_values);
+            }
+        }
+        (self.met, self.decided) = (Some(met), true);
+        self.note_thoughts(met);
+        Some(AgentDecision { acceleration: self.plan.end_step(), action })
+    }
+
+    /// One step in which the agent stands and only looks: it perceives and believes as in [`Self::step_among`], but takes no action, and no
+    /// action gathers evidence.
+    pub fn look_among(&mut self, sights: &[Sight], rules: &Rules, draws: &mut impl StandardNormals) {
+        if let Some(Thinking::Weighed { met, read }) = self.think(sights, rules, draws) {
+            DrawnOnce::from(&mut self.drawn, read, draws).forget_read();
+            self.note_thoughts(met);
+        }
+    }
+
+    /// Perceives all others and thinks about them; `None` where there is nobody to decide about.
+    fn think(
+        &mut self,
+        sights: &[Sight],
+        rules: &Rules,
+        draws: &mut impl StandardNormals,
+    ) -> Option<Thinking> {
         self.thoughts = None;
         for sight in sights.iter().filter(|sight| sight.conflict == ConflictState::Over) {
             if self.met != Some(sight.other) {
@@ -187,9 +236,7 @@ impl CommotionsAgent {
         if let Candidates::Met(met) = candidates
             && self.others[met].is_left_behind(sights.iter().find(|sight| sight.other == met)?.own.distance)
         {
-            self.plan.clear();
-            self.decider.clear();
-            return self.decided.then_some(AgentDecision { acceleration: 0.0, action: None });
+            return Some(Thinking::Finished);
         }
         self.plan.begin_step(sights.first()?.own.speed);
         let mut decisive: Option<(&Sight, usize)> = None;
@@ -210,21 +257,13 @@ impl CommotionsAgent {
             }
         }
         let (&Sight { other: met, .. }, read) = decisive?;
-        let mut deviates = DrawnOnce::from(&mut self.drawn, read, draws);
-        let values = values_of_actions(&self.others, &self.plan, met, sights);
-        let action = self.decider.decide(&values, &mut deviates);
-        deviates.forget_read();
-        if let Some(j) = action {
-            self.plan.take(j);
-            if self.decider.forgets_by_acting() {
-                self.others.iter_mut().for_each(Other::forget_values);
-            }
-        }
-        (self.met, self.decided) = (Some(met), true);
+        Some(Thinking::Weighed { met, read })
+    }
+
+    fn note_thoughts(&mut self, met: usize) {
         let Other { percept, probabilities, .. } = self.others[met];
         self.thoughts =
             Some(Thoughts { other: met, percept, probabilities, estimates: *self.decider.estimates() });
-        Some(AgentDecision { acceleration: self.plan.end_step(), action })
     }
 
     /// Perceives one other and thinks about it; how many of the moment's deviates that took.
@@ -324,6 +363,14 @@ fn values_of_actions(others: &[Other], plan: &ActionPlan, met: usize, sights: &[
         }
     }
     values
+}
+
+/// What comes of thinking at a step.
+enum Thinking {
+    /// The one that is met is left behind: nothing is to be decided any more.
+    Finished,
+    /// The one that decides, and how many of the moment's deviates that took.
+    Weighed { met: usize, read: usize },
 }
 
 /// Who may decide at a step.

@@ -5,7 +5,7 @@
 
 use rayon::prelude::*;
 
-use super::meeting::{Meeting, MetDriver, PEDESTRIAN, VEHICLE};
+use super::meeting::{Meeting, MetDriver, PEDESTRIAN, VEHICLE, Waiting};
 use super::parameters::Parameters;
 use super::variant::Variant;
 use numbers::random::derive_seed;
@@ -62,7 +62,7 @@ impl EncounterCondition {
             vehicle: (VEHICLE.half_extent + (self.gap - STEP_TO_KERB) * DRIVES, DRIVES),
             driver: MetDriver::Commotions,
             pedestrian_priority: self.zebra,
-            entry_inhibited_until: 0.0,
+            waiting: Waiting::Inhibited(0.0),
             dt: TIME_STEP,
             end_time: ENDS,
         };

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use serde::Deserialize;
 
 use super::hiker::{HikerError, HikerReference};
+use super::meeting::Waiting;
 use super::parameters::Parameters;
 use super::variant::Variant;
 use numbers::random::derive_seed;
@@ -57,14 +58,15 @@ impl HikerPersons {
     }
 }
 
-/// Puts every one of `people` into every scenario of which it is known what persons did, `repetitions` times each, at least 2.
+/// Puts every one of `people` into every scenario of which it is known what persons did, `repetitions` times each, at least 2; `waiting` says what
+/// keeps them from entering before the first car has passed.
 pub fn held_back(
     reference: &HikerReference,
     persons: &HikerPersons,
     variant: &Variant,
     people: &[Parameters],
-    repetitions: u32,
-    seed: u64,
+    (repetitions, seed): (u32, u64),
+    waiting: Waiting,
 ) -> Vec<HeldBackScenario> {
     let middle = reference.quantile_levels.iter().position(|&level| level == 0.5);
     let one = |(name, scenario): (&String, &super::hiker::HikerScenario)| {
@@ -75,7 +77,7 @@ pub fn held_back(
             .map(|(person, parameters)| {
                 let run = |repetition| {
                     let seed = derive_seed(seed, &format!("held back/{name}/{person}/{repetition}"));
-                    scenario.start_of_crossing(variant, parameters, seed)
+                    scenario.start_of_crossing(variant, parameters, (seed, waiting))
                 };
                 (0..repetitions).filter_map(run).collect()
             })

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::meeting::{Meeting, MetDriver, PEDESTRIAN, VEHICLE};
+use super::meeting::{Meeting, MetDriver, PEDESTRIAN, VEHICLE, Waiting};
 use super::parameters::Parameters;
 use super::variant::{Variant, VariantError};
 use numbers::random::derive_seed;
@@ -17,6 +17,12 @@ use numbers::summary::median;
 
 /// When the first car has passed and the pedestrian may enter (s).
 const FIRST_CAR_PASSES: f64 = 3.0;
+
+/// The pedestrian waits for the first car as in the published simulations: entering is worth nothing until it has passed.
+pub const AS_PUBLISHED: Waiting = Waiting::Inhibited(FIRST_CAR_PASSES);
+
+/// The pedestrian stands and looks until the first car has passed.
+pub const LOOKING: Waiting = Waiting::Looking(FIRST_CAR_PASSES);
 
 /// The reference file, `hiker_reference.json`.
 #[derive(Clone, Debug, Deserialize)]
@@ -192,7 +198,7 @@ impl HikerReference {
                 .map(|run| {
                     let (person, repetition) = (run / repetitions as usize, run % repetitions as usize);
                     let seed = derive_seed(seed, &format!("hiker/{name}/{person}/{repetition}"));
-                    scenario.start_of_crossing(&variant, &people[person], seed)
+                    scenario.start_of_crossing(&variant, &people[person], (seed, AS_PUBLISHED))
                 })
                 .collect();
             let mut starts: Vec<f64> = runs.iter().copied().flatten().collect();
@@ -236,14 +242,14 @@ impl HikerScenario {
         &self,
         variant: &Variant,
         individual: &Parameters,
-        seed: u64,
+        (seed, waiting): (u64, Waiting),
     ) -> Option<f64> {
         let meeting = Meeting {
             pedestrian: (self.ped_d0, 0.0),
             vehicle: (self.veh_d0, self.vehicle_speed),
             driver: MetDriver::Timetable(self.profile.clone()),
             pedestrian_priority: false,
-            entry_inhibited_until: FIRST_CAR_PASSES,
+            waiting,
             dt: 0.025,
             end_time: self.end_time,
         };

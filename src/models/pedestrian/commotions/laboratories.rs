@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::encounter::EncounterCondition;
 use super::held_back::HikerPersons;
-use super::hiker::{HikerReference, HikerScenario};
+use super::hiker::{AS_PUBLISHED, HikerReference, HikerScenario};
 use super::parameters::Parameters;
 use super::variant::Variant;
 use numbers::distributions::beta_quantile;
@@ -94,7 +94,9 @@ impl Condition<'_> {
     fn held(&self, variant: &Variant, person: &Parameters, seed: u64) -> bool {
         match self {
             Self::Encounter(condition) => condition.first(variant, person, seed).is_some(),
-            Self::Hiker(_, scenario) => scenario.start_of_crossing(variant, person, seed).is_some(),
+            Self::Hiker(_, scenario) => {
+                scenario.start_of_crossing(variant, person, (seed, AS_PUBLISHED)).is_some()
+            }
         }
     }
 

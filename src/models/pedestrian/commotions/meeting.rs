@@ -24,6 +24,15 @@ pub enum MetDriver {
     Timetable(Vec<(f64, f64)>),
 }
 
+/// What keeps a pedestrian from entering until a moment (s).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Waiting {
+    /// Entering is worth nothing, as published (§7).
+    Inhibited(f64),
+    /// It stands and looks: it takes no action, and none gathers evidence.
+    Looking(f64),
+}
+
 /// What happens between whom.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Meeting {
@@ -35,8 +44,8 @@ pub struct Meeting {
     pub driver: MetDriver,
     /// Whether the pedestrian has priority.
     pub pedestrian_priority: bool,
-    /// Time before which the pedestrian may not enter (s).
-    pub entry_inhibited_until: f64,
+    /// What keeps the pedestrian from entering at first.
+    pub waiting: Waiting,
     /// Time step (s).
     pub dt: f64,
     /// When it ends (s).
@@ -93,11 +102,17 @@ impl Meeting {
             if !observe(&Moment { time, pedestrian, vehicle }) {
                 return;
             }
-            let rules = Rules {
-                pedestrian_priority: self.pedestrian_priority,
-                entry_inhibited: time < self.entry_inhibited_until,
+            let (inhibited, looks) = match self.waiting {
+                Waiting::Inhibited(until) => (time < until, false),
+                Waiting::Looking(until) => (false, time < until),
             };
-            let walks = walker.step(&pedestrian, &vehicle, &rules, &mut walkers_draws).acceleration;
+            let rules = Rules { pedestrian_priority: self.pedestrian_priority, entry_inhibited: inhibited };
+            let walks = if looks {
+                walker.look(&pedestrian, &vehicle, &rules, &mut walkers_draws);
+                0.0
+            } else {
+                walker.step(&pedestrian, &vehicle, &rules, &mut walkers_draws).acceleration
+            };
             vehicle.acceleration = match &mut driver {
                 Some(driver) => driver.step(&vehicle, &pedestrian, &rules, &mut drivers_draws).acceleration,
                 None => self.timetabled(time),

@@ -3,7 +3,7 @@
 use super::action::{ACTION_SIZES, ACTIONS, NO_ACTION};
 use super::agent::{CommotionsAgent, ConflictState, Rules, Sight};
 use super::following;
-use super::parameters::{Parameters, individual_ranges, parameters};
+use super::parameters::{Parameters, SAFETY_DISTANCE, individual_ranges, parameters};
 use super::prediction::{BEHAVIOUR_LIST, Behaviour};
 use super::state::{AgentBody, Control, State};
 use super::variant::{Accumulation, Variant, VariantError};
@@ -31,7 +31,17 @@ pub fn commotions() -> PedestrianModel {
          Madigan and Merat, PNAS Nexus 2(6), 2023",
     )
     .parameters(parameters());
-    PedestrianModel::new(declaration, build).with_individuals().ranging(individual_ranges).in_legs()
+    PedestrianModel::new(declaration, build)
+        .with_individuals()
+        .ranging(individual_ranges)
+        .in_legs()
+        .keeping_off(keeps_off)
+        .believing()
+}
+
+/// Passing second is impossible nearer than this to the conflict space (§6, point 6).
+fn keeps_off(settings: &Settings) -> Option<(&'static str, f64)> {
+    Some((SAFETY_DISTANCE, settings.number(SAFETY_DISTANCE)))
 }
 
 fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError> {
@@ -341,6 +351,14 @@ impl Pedestrian for Walker {
         Motion::Accelerate(limit.map_or(self.acceleration, |limit| self.acceleration.min(limit)))
     }
 
+    fn look(&mut self, scene: &Scene) {
+        if self.steps.is_multiple_of(self.steps_per_decision) {
+            let rules = self.sight(scene);
+            self.agent.look_among(&self.sights, &rules, &mut self.draws);
+        }
+        self.steps += 1;
+    }
+
     fn mode(&self) -> Mode {
         Mode::new(if self.standing { "waiting" } else { "walking" })
     }
@@ -395,13 +413,22 @@ fn has_red(scene: &Scene) -> bool {
 
 impl Walker {
     fn decide(&mut self, scene: &Scene) -> f64 {
+        let rules = self.sight(scene);
+        let me = scene.ego();
+        let speed = me.velocity.dot(&me.heading);
+        let decision = self.agent.step_among(&self.sights, &rules, &mut self.draws);
+        // With nobody to meet, as on an empty road.
+        decision.map_or((self.free_speed - speed) / self.action_duration, |decision| decision.acceleration)
+    }
+
+    /// Looks for whom it meets, and what the rules are at the moment.
+    fn sight(&mut self, scene: &Scene) -> Rules {
         let me = scene.ego();
         let rules = Rules {
             pedestrian_priority: scene.pedestrian_priority(),
             entry_inhibited: scene.time < self.entry_inhibited_until || self.obeys_signals && has_red(scene),
         };
         let way = me.heading;
-        let speed = me.velocity.dot(&way);
         let might_be_hidden = scene.vehicles.len() > 1 || !scene.road.boxes.is_empty();
         // Whom it meets beyond a refuge on which it waits is another leg's matter.
         let leg = match scene.goes_on() {
@@ -432,8 +459,6 @@ impl Walker {
             let conflict = meeting.conflict(own.distance, state.distance);
             self.sights.push(Sight { other, path: meeting.path, own, state, apart, conflict });
         }
-        let decision = self.agent.step_among(&self.sights, &rules, &mut self.draws);
-        // With nobody to meet, as on an empty road.
-        decision.map_or((self.free_speed - speed) / self.action_duration, |decision| decision.acceleration)
+        rules
     }
 }

@@ -3,6 +3,9 @@
 use super::variant::{self, Accumulation, Sensing, Variant};
 use scenario::{ANOTHER_MODEL, Dimension, Parameter, Settings, Text};
 
+/// The setting that says how far from the conflict space a road user waits.
+pub const SAFETY_DISTANCE: &str = "D_s";
+
 /// One individual: everything about a road user that is a number, in SI units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameters {
@@ -241,7 +244,7 @@ pub fn parameters() -> Vec<Parameter> {
         FIXED,
     ),
     Parameter::number(
-        "D_s",
+        SAFETY_DISTANCE,
         Dimension::LENGTH,
         1.0,
         (0.0, 20.0),
@@ -353,7 +356,7 @@ impl Parameters {
             "sigma_xdot" => &mut self.process_noise,
             "h" => &mut self.eye_height,
             "DeltaT" => &mut self.action_duration,
-            "D_s" => &mut self.safety_distance,
+            SAFETY_DISTANCE => &mut self.safety_distance,
             "T_s" => &mut self.safety_time,
             "V_0_rel" => &mut self.value_scale,
             "V_ny_rel" => &mut self.not_yielding_value,
