@@ -276,7 +276,7 @@ codes! {
     NoRoomToWait = "E0536", "a pedestrian starts where it cannot wait",
         "`commotions` waits no nearer than `D_s` to where its body and that of a vehicle can meet: half of both bodies and `D_s` from the \
          centre of the lane, 2.15 m for a disc of 0.25 m, a car 1.8 m wide and 1 m. Nearer it has only one option, to go first, and is hit \
-         where that fails: of 200 `humans` who start 2 m from the lane of a car that is 1 s away, 188. Let it start farther away, declare \
+         where that fails: of 300 `humans` who start 2 m from the centre of the lane of a car that is 1 s away, 281. Let it start farther away, declare \
          a smaller `D_s`, or say `may start inside` if that is what the scenario is about.";
     UnmeantModel = "E0525", "a number with one published value is varied",
         "Some numbers of a model are no free choice. The noise and the filters of `commotions` are per time step, so that with \
@@ -525,12 +525,11 @@ codes! {
     FirstSight = "W0928", "people decide at first sight, and a number depends on it",
         "A pedestrian exists from the moment on at which it appears. Of `humans` more than half set off within two decisions, on one noisy \
          look, and nearly all who are hit are of those. Where people stood and looked before, say for how long: `looks for 1 s`; `humans` \
-         were fitted without a look, so that the number is then another one, and not a corrected one. Where a box hides vehicle and \
-         pedestrian from each other, nothing is said, nor in suites that hold results against a `source` or of scenarios with the tag `published`.";
+         were fitted without a look, so that the new number is uncalibrated. The check leaves out \
+         pedestrians behind a box, suites that hold results against a `source`, and scenarios with the tag `published`.";
     LongLook = "W0929", "a look outlasts all vehicles",
-        "The pedestrian may go only when every vehicle has passed it, if none brakes: who goes then meets nothing, and what passes shows \
-         nothing. A look begins where the pedestrian appears, so that a vehicle that is to be 3 s away when it may go has to be 3 s and the \
-         look away then.";
+        "The pedestrian may go only when every vehicle has passed it, if none brakes. It then meets no vehicle, so that a pass shows nothing. A look \
+         begins when the pedestrian appears: let a vehicle that is to be 3 s away when the pedestrian may go be 3 s plus the look away then.";
     NoCriteria = "W0902", "a scenario expects nothing",
         "Without `expect` a scenario is run but not judged: nothing is claimed of it. Add criteria to it or to the suite; where a search, tune, \
          evaluate or statement is about its runs, it needs none.";

@@ -101,17 +101,16 @@ fn attention(model: &ControllerModel) -> String {
 
 /// What a look before it may go makes of a pedestrian.
 fn look(model: &PedestrianModel) -> String {
-    let is_fixed =
-        model.declaration.resolve(&Settings::default()).is_ok_and(|defaults| (model.is_fixed)(&defaults));
-    let said = match model.look {
-        LookEffect::Counts => {
+    let fixed = model.declaration.resolve(&Settings::default()).map(|defaults| (model.is_fixed)(&defaults));
+    let said = match (model.look, fixed) {
+        (LookEffect::Counts, _) => {
             "With `looks for` what it sees before it may go counts: it perceives and believes meanwhile."
         }
-        LookEffect::Delays if is_fixed => {
-            "With its defaults it walks the same whatever it sees, and refuses `looks for`; with `may go` it stands in sight before."
-        }
-        LookEffect::Delays => {
+        (LookEffect::Delays, Ok(false)) => {
             "It decides by what is there at the moment: what it sees during `looks for` changes nothing, it only goes later."
+        }
+        (LookEffect::Delays, _) => {
+            "Where it walks the same whatever it sees it refuses `looks for`, and takes `may go`, with which it stands in sight before."
         }
     };
     said.to_string()

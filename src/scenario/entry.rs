@@ -206,7 +206,8 @@ impl PedestrianSetup {
     /// How much (m) farther than where bodies can meet they have to stand to be able to wait, and the setting that says so; `None`: they can
     /// wait anywhere.
     pub fn keeps_off(&self) -> Option<(&'static str, f64)> {
-        (self.model.model.known()?.keeps_off)(&self.model.settings)
+        let keeps_off = self.model.model.known()?.keeps_off?;
+        Some(keeps_off(&self.model.settings))
     }
 
     /// Whether they step onto the road where a signal of the crossing that they use stands: within [`AT_THE_CROSSING`] of its extent. Who
@@ -418,7 +419,7 @@ pub struct PedestrianModel {
     pub keeps_clear: fn(&Settings) -> Option<f64>,
     /// Nearer than this (m) to where the bodies of a vehicle and itself can meet it cannot wait with these settings, and the setting that says
     /// so; `None`: it can wait anywhere.
-    pub keeps_off: fn(&Settings) -> Option<(&'static str, f64)>,
+    pub keeps_off: Option<fn(&Settings) -> (&'static str, f64)>,
     /// What it makes of the time for which it looks before it may go.
     pub look: LookEffect,
     /// Whether it can wait on refuges: on each leg of its way it minds only whom it meets before the leg's end.
@@ -466,7 +467,7 @@ impl PedestrianModel {
             chance: Chance::Always,
             is_fixed: |_| false,
             keeps_clear: |_| Some(0.0),
-            keeps_off: |_| None,
+            keeps_off: None,
             look: LookEffect::Delays,
             walks_in_legs: false,
             signals: SignalConduct::Obeys,
@@ -480,8 +481,8 @@ impl PedestrianModel {
     }
 
     /// The same, which cannot wait nearer than so much (m) to where bodies can meet; [`Self::new`] takes it that it can wait anywhere.
-    pub fn keeping_off(self, keeps_off: fn(&Settings) -> Option<(&'static str, f64)>) -> Self {
-        Self { keeps_off, ..self }
+    pub fn keeping_off(self, keeps_off: fn(&Settings) -> (&'static str, f64)) -> Self {
+        Self { keeps_off: Some(keeps_off), ..self }
     }
 
     /// The same, for which it counts what it has seen before it may go; [`Self::new`] takes it that a look only lets it go later.

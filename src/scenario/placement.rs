@@ -113,6 +113,18 @@ impl MayGo {
         *self == Self::AtOnce
     }
 
+    /// The time (s) from appearing until it may go, where `time_to_arrival` is that of a vehicle's part when it appears, s.
+    pub fn wait(&self, time_to_arrival: impl FnOnce(usize, VehicleReference) -> f64) -> f64 {
+        match *self {
+            Self::AtOnce => 0.0,
+            Self::After(time) => time,
+            Self::TimeToArrival { vehicle, reference, time, or_after } => {
+                let left = time_to_arrival(vehicle, reference) - time;
+                if left.is_finite() { left.clamp(0.0, or_after) } else { or_after }
+            }
+        }
+    }
+
     /// The longest time (s) from appearing until it may go.
     pub fn longest(&self) -> f64 {
         match *self {

@@ -6,15 +6,23 @@ use super::start::{beginning, meeting_place};
 use scenario::agent::{Longitudinal, Scene, Snapshot};
 use scenario::{Appearance, LookEffect, MayGo, PedestrianSetup, VehicleReference, World};
 
-/// Whether a pedestrian, whose model believes what it has seen, may go as soon as it appears, with a moving vehicle in sight that it can meet.
+/// Whether a pedestrian, whose model believes what it has seen, may go within a step of its appearance, with a moving vehicle in sight that it can
+/// meet.
 /// Vehicles are taken to have kept the lower of their speeds until then.
 pub fn decides_at_first_sight(world: &World, pedestrian: usize) -> bool {
     let setup = &world.pedestrians[pedestrian];
     let believes = setup.model.model.known().is_some_and(|model| model.look == LookEffect::Counts);
-    if !believes || setup.may_go != MayGo::AtOnce || !setup.crosses(&world.road) {
+    if !believes || !setup.crosses(&world.road) {
         return false;
     }
     let state = after_appearance(world, setup, 0.0);
+    let wait = setup.may_go.wait(|vehicle, reference| {
+        let car = &state.vehicles[vehicle];
+        car.time_to_arrival(setup.met_by(&car.path), reference)
+    });
+    if wait > world.step {
+        return false;
+    }
     let scene = Scene {
         time: 0.0,
         step: world.step,

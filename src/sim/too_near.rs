@@ -111,7 +111,7 @@ mod tests {
         let setup = &mut world.pedestrians[0];
         let declaration = Declaration::new("person", "It keeps off.");
         let model = PedestrianModel::new(declaration, |_| unreachable!("it is not built"));
-        setup.model.model = (&Arc::new(model.keeping_off(|_| Some(("D_s", 1.0))))).into();
+        setup.model.model = (&Arc::new(model.keeping_off(|_| ("D_s", 1.0)))).into();
         setup.start = Position { x: 0.0, y: -start };
         setup.stops = stops.iter().map(|y| Position { x: 0.0, y: *y }).collect();
         let tidy = |metres: f64| (metres * 1e6).round() / 1e6;

@@ -135,7 +135,7 @@ pub fn pedestrian(
     if let Some(Said { node: ast::Appearance::Meets(meets), .. }) =
         last(layers, ast::PedestrianBlock::appearance)
     {
-        exclude(permission.map(|said| *said.node), Some(*meets), report);
+        refuse_waiting_to_meet(permission, meets.span(), report);
     }
     let may_go = match permission {
         Some(Said { node: ast::Permission::Looks(node), scope }) => {
@@ -216,6 +216,25 @@ pub fn pedestrian(
         group: who.group.clone(),
         origin: places.origin(who.span),
     })
+}
+
+/// A pedestrian that is to be hit at a place has to set off when it appears.
+fn refuse_waiting_to_meet(
+    permission: Option<Said<ast::Permission>>,
+    meets: Span,
+    report: &mut Vec<Diagnostic>,
+) {
+    let Some(Said { node, .. }) = permission else { return };
+    report.push(
+        Diagnostic::new(
+            Code::WrongWay,
+            node.span(),
+            "a pedestrian that meets a vehicle cannot wait before it goes",
+        )
+        .label("would be too late")
+        .context(meets, "says when it has to be there")
+        .hint("leave it out, or say `start` and `appears` instead of `meets`"),
+    );
 }
 
 /// The reference point of whom nothing is said: what is known of the body of a kind is known of no other.

@@ -1,7 +1,9 @@
 //! A sketch in words: what stands beside the picture, and what of it lies outside.
 
 use super::outlook::{Outlook, Sight, SightKind};
-use scenario::{CrossingKind, Dimension, Direction, Ground, Road, TrafficSignal, VehicleSetup, World, show};
+use scenario::{
+    CrossingKind, Dimension, Direction, Ground, MayGo, Road, TrafficSignal, VehicleSetup, World, show,
+};
 use sim::Solid;
 
 /// A line for the road, each road user, each meeting and each line of sight that something is on.
@@ -36,7 +38,12 @@ pub(crate) fn facts(world: &World, outlook: &Outlook) -> Vec<String> {
             1 => "; waits on a refuge, for which no time is taken here",
             _ => "; waits on refuges, for which no time is taken here",
         };
-        lines.push(format!("{}: {kind}{appears}, {pace}{waits}", setup.name));
+        let looks = match setup.may_go {
+            MayGo::AtOnce => String::new(),
+            MayGo::After(time) => format!(", looks for {time} s"),
+            MayGo::TimeToArrival { or_after, .. } => format!(", looks for {or_after} s at most"),
+        };
+        lines.push(format!("{}: {kind}{appears}{looks}, {pace}{waits}", setup.name));
     }
     lines.push("If all keep their speed:".to_string());
     let waits = world.vehicles.iter().any(|car| car.obeys_signals)

@@ -357,6 +357,10 @@ fn person(
             arrives(vehicle, place, VehicleReference::Front, time)
         }
     };
+    let wait = setup.may_go.wait(|vehicle, reference| {
+        let place = setup.met_by(&cars[vehicle].path);
+        cars[vehicle].time_to_arrival(place, reference) - appears.unwrap_or(0.0)
+    });
     let goal = Vector2::from(setup.goal);
     let far = match &setup.follows {
         Some(path) => path.along(goal) - path.along(outline.centre),
@@ -366,7 +370,7 @@ fn person(
     let mind = || build(&alone, setup, (rank, seed));
     let speed = mind().map(|mind| mind.free_speed()).filter(|speed| *speed > 0.0);
     let is_fixed = setup.model.model.known().is_some_and(|model| (model.is_fixed)(&setup.model.settings));
-    let walk = if is_fixed {
+    let mut walk: Vec<(f64, f64)> = if is_fixed {
         let steps = (far / LOOKS).ceil().clamp(0.0, 1e4) as usize;
         let reached = |step: usize| {
             let distance = (LOOKS * step as f64).min(far);
@@ -376,6 +380,10 @@ fn person(
     } else {
         speed.map_or_else(Vec::new, |speed| vec![(0.0, 0.0), (far, far / speed)])
     };
+    if wait > 0.0 && !walk.is_empty() {
+        walk.iter_mut().for_each(|(_, time)| *time += wait);
+        walk.insert(0, (0.0, 0.0));
+    }
     Person { outline, goal, follows: setup.follows.clone(), appears, speed, walk }
 }
 

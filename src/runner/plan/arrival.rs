@@ -13,7 +13,7 @@ use sim::{PastArrival, beginning, past_arrival};
 /// Leaves room for rounding in a time to arrival, s.
 const ROUNDING: f64 = 1e-6;
 
-const LATER_OR_EARLIER: &str = "let it appear earlier, or go at a shorter time to arrival";
+const EARLIER_OR_SHORTER: &str = "let it appear earlier, or go at a shorter time to arrival";
 
 /// So many runs of a scenario that draws are looked at, at most.
 const MOST_COUNTED: usize = 100_000;
@@ -38,7 +38,7 @@ pub fn past_arrival_words(world: &World, past: &PastArrival, unit: Option<Notati
         let message = format!(
             "{kind} `{name}` may go at a time to arrival of {wanted}, and `{car}` {left} when it appears"
         );
-        return (message, LATER_OR_EARLIER.to_string());
+        return (message, EARLIER_OR_SHORTER.to_string());
     }
     let message = format!(
         "{kind} `{name}` is to appear at a time to arrival of {wanted}, and `{car}` {left} at the start"
@@ -126,7 +126,7 @@ pub fn check_drawn_arrivals(
         found.len(),
     );
     let hint = match first.to_go {
-        true => LATER_OR_EARLIER.to_string(),
+        true => EARLIER_OR_SHORTER.to_string(),
         false => format!(
             "leave `start` of `{car}` out: it then starts as far away as it has to; or cut what is drawn where that begins: \
              `truncated_normal(mean, standard deviation, low, high)`"

@@ -15,7 +15,7 @@ pub fn too_near_words(world: &World, found: &TooNear) -> String {
         "{} `{}` {sets_out} {} from the centre of the lane of `{}`, and `{}` cannot wait nearer than {}",
         setup.kind.word(),
         setup.name,
-        metres(found.distance),
+        metres(found.distance.abs()),
         world.vehicles[found.vehicle].name,
         setup.model.model,
         metres(found.needed)

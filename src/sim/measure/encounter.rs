@@ -436,6 +436,7 @@ impl Encounter {
             half_lane: self.half_lane,
             strip: self.strip,
             has_moved,
+            may_go: step.may_go(pedestrian),
         });
     }
 

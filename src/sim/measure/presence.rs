@@ -65,6 +65,8 @@ pub struct PresenceStep<'a> {
     pub strip: (f64, f64),
     /// Whether the vehicle has moved in the run by the beginning and by the end of the step.
     pub has_moved: (bool, bool),
+    /// Whether the pedestrian may go. Until then a vehicle that passes decides nothing between the two.
+    pub may_go: bool,
 }
 
 /// Follows the presence of one vehicle and one pedestrian.
@@ -101,10 +103,12 @@ impl PresenceMeter {
             if rear > old.along + half_extent(step.pedestrian, &old).x {
                 return;
             }
-            self.reach(Closeness::Together);
+            if step.may_go {
+                self.reach(Closeness::Together);
+            }
         }
         self.presence.moved |= before.motion.speed.max(after.motion.speed) > STANDSTILL;
-        if before.motion.travelled < old.along && after.motion.travelled >= new.along {
+        if step.may_go && before.motion.travelled < old.along && after.motion.travelled >= new.along {
             self.presence.passed = true;
             self.reach(Closeness::Abreast);
         }

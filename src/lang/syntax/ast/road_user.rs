@@ -358,7 +358,7 @@ pub static PEDESTRIAN: BlockEntry = BlockEntry {
             "looks",
             Rule::looks,
             "looks for 1 s",
-            "It stands for so long where it appears, and what it sees counts, before it takes its first decision; without it, it decides at first sight.",
+            "It stands and looks for 1 s where it appears, before its first decision; without it, it decides at first sight.",
         )
         .key("looks", YamlShape::Words)
         .set("looks for ", ""),
@@ -366,7 +366,7 @@ pub static PEDESTRIAN: BlockEntry = BlockEntry {
             "may go",
             Rule::may_go,
             "may go when time_to_arrival(av) = 3 s, or after 8 s",
-            "It stands and looks until a vehicle is so near, but no longer than so long: a vehicle that stops for it never arrives.",
+            "It stands and looks until the time to arrival of a vehicle falls to 3 s, for 8 s at most, since a vehicle that stops for it never arrives.",
         )
         .key("may_go", YamlShape::Words),
         statement(

@@ -40,8 +40,8 @@ pub fn commotions() -> PedestrianModel {
 }
 
 /// Passing second is impossible nearer than this to the conflict space (§6, point 6).
-fn keeps_off(settings: &Settings) -> Option<(&'static str, f64)> {
-    Some((SAFETY_DISTANCE, settings.number(SAFETY_DISTANCE)))
+fn keeps_off(settings: &Settings) -> (&'static str, f64) {
+    (SAFETY_DISTANCE, settings.number(SAFETY_DISTANCE))
 }
 
 fn build(context: &PedestrianContext) -> Result<Box<dyn Pedestrian>, ModelError> {

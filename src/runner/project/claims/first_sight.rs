@@ -4,8 +4,8 @@ use super::budget::at;
 use crate::plan;
 use lang::{Code, Diagnostic, Sources};
 use scenario::{
-    Aggregate, CaseSet, Claim, DeclaredMayGo, DeclaredPedestrian, Measured, MetricReference, Origin,
-    OutcomesOf, Scenario, Stake, Suite,
+    Aggregate, CaseSet, Claim, DeclaredMayGo, DeclaredPedestrian, LookEffect, Measured, MetricReference,
+    Origin, OutcomesOf, Scenario, Stake, Suite,
 };
 use sim::{decides_at_first_sight, looks_until_all_are_past};
 
@@ -23,7 +23,13 @@ pub(super) fn examine_first_sight(suite: &Suite, sources: &Sources) -> Vec<Diagn
     if published.any(Option::is_some) || suite.evaluates.iter().any(|evaluate| evaluate.source.is_some()) {
         return Vec::new();
     }
-    let told = suite.scenarios.iter().filter(|scenario| !scenario.tags.iter().any(|tag| tag == AS_PUBLISHED));
+    let believes = |person: &DeclaredPedestrian| {
+        let models = person.model.all().iter().filter_map(|model| model.known());
+        models.into_iter().any(|model| model.look == LookEffect::Counts)
+    };
+    let told = suite.scenarios.iter().filter(|scenario| {
+        scenario.pedestrians.iter().any(believes) && !scenario.tags.iter().any(|tag| tag == AS_PUBLISHED)
+    });
     let mut found: Option<(Diagnostic, usize)> = None;
     for scenario in told {
         let Some((what, origin)) = depends_on_first_sight(suite, scenario) else { continue };
@@ -36,7 +42,7 @@ pub(super) fn examine_first_sight(suite: &Suite, sources: &Sources) -> Vec<Diagn
             format!("`{what}` depends on `{who}` of `{}`, who decides at first sight{share}", scenario.name);
         let finding = at(Code::FirstSight, origin, message, sources)
             .label("is about people who have not looked")
-            .hint("say for how long they look before they may go: `looks for 1 s`; the number is then another one, and not a corrected one");
+            .hint("say for how long they look before they may go: `looks for 1 s`; populations that ship were fitted without a look, so that the new number is uncalibrated");
         found = Some((finding, 0));
     }
     let said = |(finding, others): (Diagnostic, usize)| match others {

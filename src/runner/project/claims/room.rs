@@ -4,11 +4,14 @@ use super::budget::at;
 use crate::experiment::search_ends;
 use crate::plan::{self, metres, too_near_words};
 use lang::{Code, Diagnostic, Severity, Sources};
-use scenario::{Case, Origin, PedestrianSetup, Scenario, Suite, World, significant};
+use scenario::{Case, DeclaredPedestrian, Origin, PedestrianSetup, Scenario, Suite, significant};
 use sim::{TooNear, too_near};
 
 /// So many drawn runs of a scenario are looked at, at most.
 const MOST_DRAWN: usize = 400;
+
+/// What is looked at of a scenario that draws nothing: all of it.
+const TRIALS: &str = "trials";
 
 /// An error for every place from which a pedestrian sets out in all of its runs, or in all that a search can try, so near to a lane that its
 /// model cannot wait there, and a warning where that is so in some. People who `may start inside` are left to reports, and what cannot be
@@ -17,7 +20,7 @@ pub(super) fn examine_room(suite: &Suite, sources: &Sources) -> Vec<Diagnostic> 
     let mut found = Vec::new();
     for scenario in suite.scenarios.iter().filter(|scenario| may_need_room(scenario)) {
         let runs = plan::sample_scenario(suite, scenario, MOST_DRAWN).unwrap_or_default();
-        let all = if scenario.is_drawn() { "runs looked at" } else { "trials" };
+        let all = if scenario.is_drawn() { "runs looked at" } else { TRIALS };
         let places = Places { all, search: None };
         let declared = places.examine(scenario, &runs, sources);
         let is_known = declared.iter().any(|found| found.severity == Severity::Error);
@@ -31,7 +34,10 @@ pub(super) fn examine_room(suite: &Suite, sources: &Sources) -> Vec<Diagnostic> 
 }
 
 fn may_need_room(scenario: &Scenario) -> bool {
-    scenario.pedestrians.iter().any(|person| !person.may_start_inside && person.walks.is_none())
+    let keeps_off = |person: &DeclaredPedestrian| {
+        person.model.all().iter().filter_map(|model| model.known()).any(|model| model.keeps_off.is_some())
+    };
+    scenario.pedestrians.iter().any(|person| !person.may_start_inside && keeps_off(person))
 }
 
 /// What a set of runs is of.
@@ -76,7 +82,8 @@ impl Places<'_> {
         let said = scenario.written.get(&format!("{}.start", setup.name)).filter(|_| nearest.refuge == 0);
         let declared_at = said.map_or(&declared.origin, |said| &said.origin);
         let (code, share) = match *runs == all {
-            true => (Code::NoRoomToWait, String::new()),
+            true if self.all == TRIALS => (Code::NoRoomToWait, String::new()),
+            true => (Code::NoRoomToWait, format!("in all {all} {} ", self.all)),
             false => {
                 let share = significant(100.0 * *runs as f64 / all as f64, 2);
                 (Code::SometimesNoRoom, format!("in {runs} of {all} {} ({share} %) ", self.all))
@@ -90,19 +97,17 @@ impl Places<'_> {
         at(code, origin, message, sources)
             .label("has no option to wait")
             .note(format!("in {}", case.key))
-            .note(needs(&case.world, nearest))
-            .hint(way_out(&case.world, nearest, setup))
+            .note(needs(setup, nearest))
+            .hint(way_out(setup, nearest))
     }
 }
 
-fn needs(world: &World, found: &TooNear) -> String {
-    let Some((setting, margin)) = world.pedestrians[found.pedestrian].keeps_off() else {
-        return String::new();
-    };
+fn needs(setup: &PedestrianSetup, found: &TooNear) -> String {
+    let Some((setting, margin)) = setup.keeps_off() else { return String::new() };
     format!("half of both bodies is {}, and `{setting}` is {}", metres(found.needed - margin), metres(margin))
 }
 
-fn way_out(world: &World, found: &TooNear, setup: &PedestrianSetup) -> String {
+fn way_out(setup: &PedestrianSetup, found: &TooNear) -> String {
     let Some((setting, margin)) = setup.keeps_off() else { return String::new() };
     // Rounded to the safe side.
     let missing = (found.missing() * 1e3 - 1e-3).ceil() / 1e3;
@@ -111,11 +116,9 @@ fn way_out(world: &World, found: &TooNear, setup: &PedestrianSetup) -> String {
         _ => format!("make the refuge {} wider", metres(2.0 * missing)),
     };
     let nearer = match margin - missing {
-        left if left > 0.0 => format!(
-            ", or declare `{setting}: {}` or less in `{}`",
-            metres(left),
-            world.pedestrians[found.pedestrian].model.model
-        ),
+        left if left > 0.0 => {
+            format!(", or declare `{setting}: {}` or less in `{}`", metres(left), setup.model.model)
+        }
         _ => String::new(),
     };
     format!("{farther}{nearer}; if it is meant, say `may start inside`")
