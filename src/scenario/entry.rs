@@ -403,6 +403,9 @@ pub struct PerceptionModel {
     pub build: BuildPerception,
 }
 
+/// The setting that says how far from where bodies can meet a pedestrian waits, and how far (m) that is.
+pub type KeepsOff = fn(&Settings) -> (&'static str, f64);
+
 /// A registered pedestrian model.
 pub struct PedestrianModel {
     /// Its name and parameters, for checker, pages and tunes.
@@ -419,7 +422,7 @@ pub struct PedestrianModel {
     pub keeps_clear: fn(&Settings) -> Option<f64>,
     /// Nearer than this (m) to where the bodies of a vehicle and itself can meet it cannot wait with these settings, and the setting that says
     /// so; `None`: it can wait anywhere.
-    pub keeps_off: Option<fn(&Settings) -> (&'static str, f64)>,
+    pub keeps_off: Option<KeepsOff>,
     /// What it makes of the time for which it looks before it may go.
     pub look: LookEffect,
     /// Whether it can wait on refuges: on each leg of its way it minds only whom it meets before the leg's end.
@@ -481,7 +484,7 @@ impl PedestrianModel {
     }
 
     /// The same, which cannot wait nearer than so much (m) to where bodies can meet; [`Self::new`] takes it that it can wait anywhere.
-    pub fn keeping_off(self, keeps_off: fn(&Settings) -> (&'static str, f64)) -> Self {
+    pub fn keeping_off(self, keeps_off: KeepsOff) -> Self {
         Self { keeps_off: Some(keeps_off), ..self }
     }
 

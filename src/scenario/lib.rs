@@ -99,7 +99,7 @@ pub use distribution::{
 pub use draw::{DeclaredDraw, Draw, DrawSource, DrawTable};
 pub use entry::{
     AT_THE_CROSSING, BuildController, BuildDynamics, BuildPedestrian, BuildPerception, CROSSES,
-    ControllerContext, ControllerModel, DynamicsModel, LookEffect, ModelSetup, PedestrianContext,
+    ControllerContext, ControllerModel, DynamicsModel, KeepsOff, LookEffect, ModelSetup, PedestrianContext,
     PedestrianModel, PedestrianSetup, PerceptionModel, VehicleSetup, World,
 };
 pub use estimate::{
