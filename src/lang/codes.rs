@@ -276,8 +276,8 @@ codes! {
     NoRoomToWait = "E0536", "a pedestrian starts where it cannot wait",
         "`commotions` waits no nearer than `D_s` to where its body and that of a vehicle can meet: half of both bodies and `D_s` from the \
          centre of the lane, 2.15 m for a disc of 0.25 m, a car 1.8 m wide and 1 m. Nearer it has only one option, to go first, and is hit \
-         where that fails: of 300 `humans` who start 2 m from the centre of the lane of a car that is 1 s away, 281. Let it start farther away, declare \
-         a smaller `D_s`, or say `may start inside` if that is what the scenario is about.";
+         where that fails: a car that is 1 s away hits 281 of 300 `humans` that start 2 m from the centre of its lane. Let it start farther away, \
+         declare a smaller `D_s`, or say `may start inside` if that is what the scenario is about.";
     UnmeantModel = "E0525", "a number with one published value is varied",
         "Some numbers of a model are no free choice. The noise and the filters of `commotions` are per time step, so that with \
          another `dt` than the published one (25 ms for variants with noise, 100 ms for those without) it is another model, \

@@ -500,17 +500,6 @@ pub enum DeclaredMayGo {
     },
 }
 
-impl DeclaredPedestrian {
-    /// The vehicles for whose arrival they wait, to appear or to go.
-    pub fn awaits(&self) -> impl Iterator<Item = &str> {
-        let to_go = match &self.may_go {
-            DeclaredMayGo::TimeToArrival { vehicle, .. } => Some(vehicle.as_str()),
-            DeclaredMayGo::AtOnce | DeclaredMayGo::After(_) => None,
-        };
-        self.appears.awaits().into_iter().chain(to_go)
-    }
-}
-
 impl DeclaredMayGo {
     fn is_at_once(&self) -> bool {
         *self == Self::AtOnce
@@ -518,6 +507,15 @@ impl DeclaredMayGo {
 }
 
 impl DeclaredPedestrian {
+    /// The vehicles whose arrival they await, to appear or to go.
+    pub fn awaits(&self) -> impl Iterator<Item = &str> {
+        let to_go = match &self.may_go {
+            DeclaredMayGo::TimeToArrival { vehicle, .. } => Some(vehicle.as_str()),
+            DeclaredMayGo::AtOnce | DeclaredMayGo::After(_) => None,
+        };
+        self.appears.awaits().into_iter().chain(to_go)
+    }
+
     /// Whether a name is theirs, or that of their group.
     pub fn is(&self, name: &str) -> bool {
         self.name == name || self.group.as_ref().is_some_and(|membership| membership.group == name)

@@ -438,7 +438,7 @@ pub struct PedestrianModel {
 pub enum LookEffect {
     /// It decides by what is there at the moment: a look only lets it go later.
     Delays,
-    /// What it sees counts: its first decision is that of somebody who has seen.
+    /// What it sees counts: its first decision uses what it saw.
     Counts,
 }
 

@@ -79,7 +79,7 @@ pub enum Fault {
     /// The time to arrival that a pedestrian waits for is past when it begins to wait.
     #[error("pedestrian {} waits for a time to arrival that is past", .0.pedestrian)]
     PastArrival(PastArrival),
-    /// The run ended before a pedestrian that was there might go.
+    /// The run ended before a pedestrian that was there, and that nothing touched, might go.
     #[error("pedestrian {pedestrian} may go at {may_go} s, and the run ends at {time} s")]
     NeverMayGo {
         /// Index into [`World::pedestrians`].
@@ -583,7 +583,10 @@ impl Course {
         }
         self.walk(step);
         self.next.vehicles.iter_mut().for_each(VehicleState::know_pose);
-        self.contacts.find(&self.now, &self.next, step);
+        let touches = self.contacts.find(&self.now, &self.next, step);
+        if let Some(permissions) = &mut self.permissions {
+            permissions.note_touches(touches);
+        }
         let ending = self.observe(time, observer);
         if let Some(Ending { reason: StopReason::Horizon, time }) = ending
             && let Some((pedestrian, may_go)) =

@@ -2,9 +2,9 @@
 //! where all vehicles are past by then.
 
 use super::sight::sees_vehicle;
-use super::start::{beginning, meeting_place};
+use super::start::{appears_after, beginning, is_to_come};
 use scenario::agent::{Longitudinal, Scene, Snapshot};
-use scenario::{Appearance, LookEffect, MayGo, PedestrianSetup, VehicleReference, World};
+use scenario::{LookEffect, MayGo, PedestrianSetup, World};
 
 /// Whether a pedestrian, whose model believes what it has seen, may go within a step of its appearance, with a moving vehicle in sight that it can
 /// meet.
@@ -35,7 +35,7 @@ pub fn decides_at_first_sight(world: &World, pedestrian: usize) -> bool {
         pedestrians: &state.pedestrians,
         held: false,
     };
-    comes(world, setup, &state).any(|vehicle| sees_vehicle(&scene, vehicle))
+    to_come(world, setup, &state).any(|vehicle| sees_vehicle(&scene, vehicle))
 }
 
 /// Whether a pedestrian looks for so long that every vehicle that it could have looked at is past before it may go, if none of them brakes.
@@ -45,38 +45,27 @@ pub fn looks_until_all_are_past(world: &World, pedestrian: usize) -> bool {
     if !setup.crosses(&world.road) {
         return false;
     }
-    let any = |after: f64| comes(world, setup, &after_appearance(world, setup, after)).next().is_some();
+    let any = |after: f64| to_come(world, setup, &after_appearance(world, setup, after)).next().is_some();
     any(0.0) && !any(look)
 }
 
-/// The vehicles that move and have yet to come by where a pedestrian meets their paths.
-fn comes<'a>(
+/// The vehicles that are yet to come.
+fn to_come<'a>(
     world: &'a World,
     setup: &'a PedestrianSetup,
     state: &'a Snapshot,
 ) -> impl Iterator<Item = usize> + 'a {
-    (0..state.vehicles.len()).filter(|vehicle| {
-        let car = &state.vehicles[*vehicle];
-        let moves = world.vehicles[*vehicle].placing_speed() > 0.0;
-        moves && car.motion.travelled - car.length / 2.0 < setup.met_by(&car.path)
-    })
+    let both = world.vehicles.iter().zip(&state.vehicles).enumerate();
+    both.filter(|(_, (driven, car))| is_to_come(driven, car, setup)).map(|(vehicle, _)| vehicle)
 }
 
 /// Where everybody is so long (s) after a pedestrian has appeared.
 fn after_appearance(world: &World, setup: &PedestrianSetup, after: f64) -> Snapshot {
     let mut state = beginning(world);
-    let left = |vehicle: usize, reference: VehicleReference, wanted: f64| {
-        let left = state.vehicles[vehicle].time_to_arrival(meeting_place(world, setup), reference) - wanted;
-        if left.is_finite() { left.max(0.0) } else { 0.0 }
-    };
-    let appears = match setup.appears {
-        Appearance::At(time) => time.max(0.0),
-        Appearance::TimeToArrival { vehicle, reference, time } => left(vehicle, reference, time),
-        Appearance::Meeting { vehicle, time, .. } => left(vehicle, VehicleReference::Front, time),
-    };
+    let time = appears_after(world, setup, &state.vehicles).unwrap_or(0.0) + after;
     for (car, driven) in state.vehicles.iter_mut().zip(&world.vehicles) {
         let speed = driven.speed.min(driven.speed_at_start());
-        let travelled = car.motion.travelled + (appears + after) * speed;
+        let travelled = car.motion.travelled + time * speed;
         *car = car.in_motion(Longitudinal { travelled, ..car.motion });
     }
     state

@@ -73,8 +73,8 @@ pub use scenario::agent::{
 pub use sighting::Sighting;
 pub use solid::Solid;
 pub use start::{
-    PastArrival, beginning, blocked_lanes, collision_course, meeting_place, overlaps, past_arrival,
-    path_conflicts, vehicles_ahead,
+    PastArrival, appears_after, beginning, blocked_lanes, collision_course, meeting_place, overlaps,
+    past_arrival, path_conflicts, vehicles_ahead,
 };
 pub use timeline::{Happening, Timeline, TimelineEvent};
 pub use too_near::{TooNear, too_near};

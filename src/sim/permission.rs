@@ -1,6 +1,8 @@
 //! When pedestrians that are there may go. Until then they stand where they are, whatever their models want, and look.
 
 use super::change::TIME_TOLERANCE;
+use super::contact::Touch;
+use super::solid::Solid;
 use super::start::{PastArrival, met_by_vehicle};
 use scenario::agent::Snapshot;
 use scenario::{MayGo, World};
@@ -17,6 +19,8 @@ struct Permission {
     place: f64,
     /// When the pedestrian appeared, s.
     appeared: Option<f64>,
+    /// Whether anything touched it while it waited.
+    touched: bool,
 }
 
 impl Permissions {
@@ -27,7 +31,7 @@ impl Permissions {
                 MayGo::TimeToArrival { vehicle, .. } => met_by_vehicle(world, setup, vehicle),
                 MayGo::AtOnce | MayGo::After(_) => 0.0,
             };
-            Permission { place, appeared: None }
+            Permission { place, appeared: None, touched: false }
         };
         let may_go: Vec<_> = world.pedestrians.iter().map(|setup| setup.may_go == MayGo::AtOnce).collect();
         let waits = may_go.contains(&false);
@@ -62,9 +66,19 @@ impl Permissions {
         past
     }
 
-    /// The first pedestrian that is there and could not go, with the moment (s) at which it could have at the latest.
+    /// Notes which pedestrians are touched.
+    pub fn note_touches(&mut self, touches: &[Touch]) {
+        for solid in touches.iter().flat_map(|touch| [touch.first, touch.second]) {
+            if let Solid::Pedestrian(pedestrian) = solid {
+                self.each[pedestrian].touched = true;
+            }
+        }
+    }
+
+    /// The first pedestrian that is there, could not go and was not touched, with the moment (s) at which it could have gone at the latest.
     pub fn never(&self, world: &World) -> Option<(usize, f64)> {
-        let mut waiting = (0..self.each.len()).filter(|pedestrian| !self.may_go[*pedestrian]);
+        let waits = |pedestrian: &usize| !self.may_go[*pedestrian] && !self.each[*pedestrian].touched;
+        let mut waiting = (0..self.each.len()).filter(waits);
         waiting.find_map(|pedestrian| {
             let latest = self.each[pedestrian].appeared? + world.pedestrians[pedestrian].may_go.longest();
             Some((pedestrian, latest))

@@ -97,6 +97,25 @@ pub fn past_arrival(world: &World, start: &Snapshot, tolerance: f64) -> Option<P
     })
 }
 
+/// How long after the start a pedestrian appears if vehicles, which start as `cars`, keep their speeds, s; `None` if it then never appears.
+pub fn appears_after(world: &World, setup: &PedestrianSetup, cars: &[VehicleState]) -> Option<f64> {
+    let arrives = |vehicle: usize, reference: VehicleReference, wanted: f64| {
+        let left = cars[vehicle].time_to_arrival(meeting_place(world, setup), reference) - wanted;
+        left.is_finite().then_some(left.max(0.0))
+    };
+    match setup.appears {
+        Appearance::At(time) => Some(time.max(0.0)),
+        Appearance::TimeToArrival { vehicle, reference, time } => arrives(vehicle, reference, time),
+        Appearance::Meeting { vehicle, time, .. } => arrives(vehicle, VehicleReference::Front, time),
+    }
+}
+
+/// Whether a vehicle moves and has yet to come by where a pedestrian meets its path.
+pub(super) fn is_to_come(driven: &VehicleSetup, car: &VehicleState, setup: &PedestrianSetup) -> bool {
+    let rear = car.motion.travelled - car.length / 2.0;
+    driven.placing_speed() > 0.0 && rear < setup.met_by(&car.path)
+}
+
 /// The place at which a pedestrian meets the path of a vehicle, m.
 pub(super) fn met_by_vehicle(world: &World, setup: &PedestrianSetup, vehicle: usize) -> f64 {
     setup.met_by(&world.path_of(&world.vehicles[vehicle]))

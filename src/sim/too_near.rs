@@ -1,10 +1,10 @@
-//! People who begin a way so near to a lane that waiting there is not an option for their model.
+//! Pedestrians that begin a way so near to a lane that waiting there is not an option for their model.
 
 use nalgebra::Vector2;
 
-use super::start::beginning;
+use super::start::{beginning, is_to_come};
 use scenario::agent::VehicleState;
-use scenario::{PedestrianSetup, VehicleSetup, World, half_extent};
+use scenario::{PedestrianSetup, World, half_extent};
 
 /// Distances that differ by less are the same, m.
 const ROUNDING: f64 = 1e-9;
@@ -20,8 +20,12 @@ pub struct TooNear {
     pub refuge: usize,
     /// From where it stands to the centre of the vehicle's lane, along its way, m.
     pub distance: f64,
-    /// From where on its model can wait, m: half of both bodies, and what the model keeps from them.
+    /// From where on its model can wait, m: half of both bodies and [`Self::margin`].
     pub needed: f64,
+    /// What the model keeps from where bodies can meet, m.
+    pub margin: f64,
+    /// The setting that says so.
+    pub setting: &'static str,
 }
 
 impl TooNear {
@@ -32,69 +36,53 @@ impl TooNear {
 }
 
 /// Every place from which a pedestrian of the world sets out that is too near to a lane for waiting, with the vehicle that needs the most
-/// room there. Vehicles that stand for ever are left out, and so are people who walk along a lane.
+/// room there. Vehicles that stand for ever are left out, and so are pedestrians that walk along a lane.
 pub fn too_near(world: &World) -> Vec<TooNear> {
-    let people = world.pedestrians.iter().enumerate();
-    people.flat_map(|(pedestrian, setup)| of_pedestrian(world, pedestrian, setup)).collect()
+    if world.pedestrians.iter().all(|setup| setup.keeps_off().is_none()) {
+        return Vec::new();
+    }
+    let cars = beginning(world).vehicles;
+    let people = 0..world.pedestrians.len();
+    people.flat_map(|pedestrian| of_pedestrian(world, &cars, pedestrian)).collect()
 }
 
-fn of_pedestrian(world: &World, pedestrian: usize, setup: &PedestrianSetup) -> Vec<TooNear> {
-    let Some((_, margin)) = setup.keeps_off() else { return Vec::new() };
+fn of_pedestrian(world: &World, cars: &[VehicleState], pedestrian: usize) -> Vec<TooNear> {
+    let setup = &world.pedestrians[pedestrian];
     let (start, goal) = (Vector2::from(setup.start), Vector2::from(setup.goal));
-    let Some(way) = (goal - start).try_normalize(0.0) else { return Vec::new() };
+    let (Some((setting, margin)), Some(way)) = (setup.keeps_off(), (goal - start).try_normalize(0.0)) else {
+        return Vec::new();
+    };
     if setup.follows.is_some() {
         return Vec::new();
     }
-    let state = beginning(world);
-    let start_of = |index: usize| &state.vehicles[index];
-    let begins = std::iter::once(start).chain(setup.stops.iter().map(|stop| Vector2::from(*stop)));
+    let to_come = |(vehicle, car): &(usize, &VehicleState)| is_to_come(&world.vehicles[*vehicle], car, setup);
     let nearest = |(refuge, from): (usize, Vector2<f64>)| {
         let ends = setup.stops.get(refuge).map_or(goal, |stop| Vector2::from(*stop));
         let leg = (ends - from).dot(&way);
-        let cars = world
-            .vehicles
-            .iter()
-            .enumerate()
-            .filter(|(index, car)| moves(car) && comes(start_of(*index), setup));
-        let each = cars.filter_map(|(vehicle, car)| {
-            let (distance, half) = conflict(world, setup, car, (from, way))?;
+        let each = cars.iter().enumerate().filter(to_come).filter_map(|(vehicle, car)| {
+            let (distance, half) = conflict(setup, car, (from, way))?;
             let needed = half + margin;
             let is_met = distance <= leg && distance > -half;
-            (is_met && distance < needed - ROUNDING).then_some(TooNear {
-                pedestrian,
-                vehicle,
-                refuge,
-                distance,
-                needed,
-            })
+            let found = TooNear { pedestrian, vehicle, refuge, distance, needed, margin, setting };
+            (is_met && distance < needed - ROUNDING).then_some(found)
         });
         each.max_by(|one, other| one.missing().total_cmp(&other.missing()))
     };
+    let begins = std::iter::once(start).chain(setup.stops.iter().map(|stop| Vector2::from(*stop)));
     begins.enumerate().filter_map(nearest).collect()
-}
-
-/// Whether a vehicle has yet to come by where a pedestrian meets its path.
-fn comes(car: &VehicleState, setup: &PedestrianSetup) -> bool {
-    car.motion.travelled - car.length / 2.0 < setup.met_by(&car.path)
-}
-
-fn moves(car: &VehicleSetup) -> bool {
-    car.speed > 0.0 || car.speed_at_start() > 0.0
 }
 
 /// From a place to the middle of the conflict with a vehicle, and half of the conflict, along a way (m); `None` where there is none.
 fn conflict(
-    world: &World,
     setup: &PedestrianSetup,
-    car: &VehicleSetup,
+    car: &VehicleState,
     (from, way): (Vector2<f64>, Vector2<f64>),
 ) -> Option<(f64, f64)> {
-    let (path, body) = (world.path_of(car), setup.shape.extents());
-    let size = (car.length, car.width);
-    if path.course().is_none() && way.x == 0.0 {
-        return Some((path.conflict(from, way)?.distance, half_extent(body, size)));
+    let (body, size) = (setup.shape.extents(), (car.length, car.width));
+    if car.path.course().is_none() && way.x == 0.0 {
+        return Some((car.path.conflict(from, way)?.distance, half_extent(body, size)));
     }
-    let area = path.conflict_area((f64::NEG_INFINITY, size), (from, way), body)?;
+    let area = car.path.conflict_area((f64::NEG_INFINITY, size), (from, way), body)?;
     Some((area.pedestrian.middle(), area.pedestrian.half()))
 }
 
@@ -105,7 +93,7 @@ mod tests {
     use scenario::{Declaration, PedestrianModel, Position};
     use std::sync::Arc;
 
-    /// The distances and needs of somebody with a disc of 0.25 m who keeps 1 m off, before a car 2 m wide.
+    /// The distances and needs of a pedestrian with a disc of 0.25 m that keeps 1 m off, before a car 2 m wide.
     fn found(start: f64, stops: &[f64]) -> Vec<(usize, f64, f64)> {
         let mut world = fixture::world();
         let setup = &mut world.pedestrians[0];

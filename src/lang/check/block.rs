@@ -65,11 +65,8 @@ pub fn reject_repeats(block: Node, report: &mut Vec<Diagnostic>) {
 pub fn exclude(first: Option<Node>, second: Option<Node>, report: &mut Vec<Diagnostic>) {
     if let (Some(first), Some(second)) = (first, second) {
         let word = |node: Node| {
-            let mut words = node.text().split_whitespace();
-            let first = words.next().unwrap_or_default();
-            // `may` begins two statements.
-            let second = words.next().filter(|_| first == "may");
-            second.map_or_else(|| first.to_string(), |second| format!("{first} {second}"))
+            let entry = words::all().find(|statement| statement.is(node));
+            entry.map_or_else(|| node.text().to_string(), |statement| statement.words.to_string())
         };
         let mut diagnostic = repeated(&word(second), second.span(), first.span());
         diagnostic.message = format!("`{}` and `{}` say the same thing", word(first), word(second));

@@ -119,8 +119,8 @@ impl Meter for CrossingDuration {
 pub fn pedestrian_delay() -> Metric {
     let declaration = Declaration::new(
         "pedestrian_delay",
-        "Time from appearance, or from when it may go, to the far edge of the vehicle's lane beyond that of a \
-         free walk straight towards the goal. Negative is time saved, by going faster \
+        "Time from appearance, or from when it may go, to the far edge of the vehicle's \
+         lane beyond that of a free walk straight towards the goal. Negative is time saved, by going faster \
          than its free speed or by a shorter way than the straight one to the goal; 0 \
          is as if nobody else were there. Undefined if it never gets across.",
     )

@@ -3,13 +3,11 @@
 use nalgebra::Vector2;
 
 use numbers::random::ranks;
-use scenario::{
-    Appearance, Path, PedestrianContext, PedestrianSetup, Settings, VehicleReference, VehicleSetup, World,
-};
+use scenario::{Path, PedestrianContext, PedestrianSetup, Settings, VehicleSetup, World};
 use sim::geometry::Footprint;
 use sim::sight::{covers_part, is_hidden};
 use sim::{
-    Longitudinal, Pedestrian, Solid, VehicleState, beginning, meeting_place, path_conflicts, walking_time,
+    Longitudinal, Pedestrian, Solid, VehicleState, appears_after, beginning, path_conflicts, walking_time,
 };
 
 /// Everything that is known beforehand.
@@ -344,19 +342,7 @@ fn person(
     (rank, seed): (usize, u64),
 ) -> Person {
     let setup = &world.pedestrians[index];
-    let arrives = |vehicle: usize, place: f64, reference: VehicleReference, wanted: f64| {
-        let left = cars[vehicle].time_to_arrival(place, reference) - wanted;
-        left.is_finite().then_some(left.max(0.0))
-    };
-    let appears = match setup.appears {
-        Appearance::At(time) => Some(time.max(0.0)),
-        Appearance::TimeToArrival { vehicle, reference, time } => {
-            arrives(vehicle, meeting_place(world, setup), reference, time)
-        }
-        Appearance::Meeting { vehicle, time, place } => {
-            arrives(vehicle, place, VehicleReference::Front, time)
-        }
-    };
+    let appears = appears_after(world, setup, cars);
     let wait = setup.may_go.wait(|vehicle, reference| {
         let place = setup.met_by(&cars[vehicle].path);
         cars[vehicle].time_to_arrival(place, reference) - appears.unwrap_or(0.0)

@@ -13,8 +13,6 @@ use sim::{PastArrival, beginning, past_arrival};
 /// Leaves room for rounding in a time to arrival, s.
 const ROUNDING: f64 = 1e-6;
 
-const EARLIER_OR_SHORTER: &str = "let it appear earlier, or go at a shorter time to arrival";
-
 /// So many runs of a scenario that draws are looked at, at most.
 const MOST_COUNTED: usize = 100_000;
 
@@ -33,20 +31,25 @@ pub fn check_arrivals(scenario: &Scenario, world: &World) -> Result<(), PlanErro
 pub fn past_arrival_words(world: &World, past: &PastArrival, unit: Option<Notation>) -> (String, String) {
     let (person, car) = (&world.pedestrians[past.pedestrian], &world.vehicles[past.vehicle].name);
     let (name, kind) = (&person.name, person.kind.word());
-    let (wanted, left) = in_words(past, unit);
-    if past.to_go {
-        let message = format!(
-            "{kind} `{name}` may go at a time to arrival of {wanted}, and `{car}` {left} when it appears"
-        );
-        return (message, EARLIER_OR_SHORTER.to_string());
-    }
-    let message = format!(
-        "{kind} `{name}` is to appear at a time to arrival of {wanted}, and `{car}` {left} at the start"
-    );
-    (message, format!("leave `start` of `{car}` out: it then starts as far away as it has to"))
+    let ((wanted, left), (does, when)) = (in_words(past, unit), does_when(past));
+    let message =
+        format!("{kind} `{name}` {does} at a time to arrival of {wanted}, and `{car}` {left} {when}");
+    (message, way_out(past, car))
 }
 
-/// The time to arrival that is waited for, and where the vehicle is at the start.
+/// What the pedestrian does at that time to arrival, and when it begins to wait.
+fn does_when(past: &PastArrival) -> (&'static str, &'static str) {
+    if past.to_go { ("may go", "when it appears") } else { ("is to appear", "at the start") }
+}
+
+fn way_out(past: &PastArrival, car: &str) -> String {
+    match past.to_go {
+        true => "let it appear earlier, or go at a shorter time to arrival".to_string(),
+        false => format!("leave `start` of `{car}` out: it then starts as far away as it has to"),
+    }
+}
+
+/// The time to arrival that is waited for, and where the vehicle is then.
 fn in_words(past: &PastArrival, unit: Option<Notation>) -> (String, String) {
     let PastArrival { wanted, left, .. } = *past;
     let number = |time: f64| (time, Dimension::TIME, unit);
@@ -118,19 +121,15 @@ pub fn check_drawn_arrivals(
     let (name, kind, (wanted, left)) = (&person.name, person.kind.word(), in_words(&first, unit));
     let share = significant(100.0 * found.len() as f64 / looked_at as f64, 2);
     let all = if looked_at < runs { format!("first {looked_at}") } else { format!("{looked_at}") };
-    let (does, when) =
-        if first.to_go { ("may go", "when it appears") } else { ("is to appear", "at the start") };
+    let (does, when) = does_when(&first);
     let message = format!(
         "in {} of the {all} runs to be made ({share} %) {kind} `{name}` {does} at a time to arrival that is past {when}: in the first of them \
          at {wanted}, and `{car}` {left}",
         found.len(),
     );
-    let hint = match first.to_go {
-        true => EARLIER_OR_SHORTER.to_string(),
-        false => format!(
-            "leave `start` of `{car}` out: it then starts as far away as it has to; or cut what is drawn where that begins: \
-             `truncated_normal(mean, standard deviation, low, high)`"
-        ),
-    };
+    let mut hint = way_out(&first, car);
+    if !first.to_go {
+        hint += "; or cut what is drawn where that begins: `truncated_normal(mean, standard deviation, low, high)`";
+    }
     Err(PlanError::new(origin, message).with_hint(hint).in_case(&case.key))
 }

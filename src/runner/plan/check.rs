@@ -10,6 +10,9 @@ use scenario::{
     VehicleSetup, VehicleStart, World, out_of_range, show,
 };
 
+/// What to do about a pedestrian that may go only when the run is over.
+pub const LOOKS_TOO_LONG: &str = "let it look less long or appear earlier, or raise `horizon`";
+
 /// Whether the world, which `scenario` was resolved to, can be run: every number finite and within its limits, nobody
 /// inside another body.
 ///
@@ -336,8 +339,7 @@ impl<'a> Checker<'a> {
             time(from + longest),
             time(self.scenario.horizon)
         );
-        Err(PlanError::new(said.map_or(own, |said| &said.origin), message)
-            .with_hint("let it look less long or appear earlier, or raise `horizon`"))
+        Err(PlanError::new(said.map_or(own, |said| &said.origin), message).with_hint(LOOKS_TOO_LONG))
     }
 
     /// Of somebody who walks straight across a straight road.

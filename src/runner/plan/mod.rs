@@ -27,6 +27,7 @@ use rayon::prelude::*;
 use scenario::{Assignment, Case, Individual, Scenario, Suite};
 
 pub use arrival::past_arrival_words;
+pub(crate) use check::LOOKS_TOO_LONG;
 pub use draws::DrawAxis;
 use draws::RunDraws;
 pub use error::PlanError;
@@ -36,7 +37,7 @@ pub use lazily::{Cases, PlannedTrial, ScenarioPlan, plan_scenario};
 pub(crate) use lazily::{Outline, cut_off_draws, outline, probe_scenario};
 pub(crate) use sample::sample_scenario;
 pub use standalone::standalone;
-pub(crate) use too_near::{metres, too_near_words};
+pub(crate) use too_near::{NearestStart, nearest_starts, to_a_millimetre, too_near_words};
 pub(crate) use unobserved::people_used;
 pub use variables::{Variables, criteria, variables};
 pub(crate) use variation::expand as combinations;

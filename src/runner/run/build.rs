@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::plan::past_arrival_words;
+use crate::plan::{LOOKS_TOO_LONG, past_arrival_words};
 use numbers::random::ranks;
 use results::RunFault;
 use scenario::registry::EntryKind;
@@ -149,7 +149,7 @@ impl RunError {
                         time_of(may_go),
                         time_of(time)
                     ),
-                    hint: "let it look less long or appear earlier, or raise `horizon`".to_string(),
+                    hint: LOOKS_TOO_LONG.to_string(),
                     begun: true,
                 }
             }

@@ -1,11 +1,9 @@
 //! Models that a world makes other ones than were published: what every report and baseline names.
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use crate::plan::{PlannedTrial, too_near_words};
+use crate::plan::{NearestStart, PlannedTrial, nearest_starts, too_near_words};
 use scenario::{Case, Departure, ModelSetup, Origin, Registered, Scenario, World};
-use sim::{TooNear, too_near};
 
 /// A road user whose model is another one than was published.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,8 +33,8 @@ fn of_model<T: Registered>(setup: &ModelSetup<T>) -> Vec<Departure> {
     declaration.map(|declaration| declaration.departures(&setup.settings)).unwrap_or_default()
 }
 
-/// What is to be warned of in a trial, each thing once: `` `walker`: `dt` of `commotions` is … ``, and people who cannot wait where they set
-/// out.
+/// What is to be warned of in a trial, each thing once: `` `walker`: `dt` of `commotions` is … ``, and pedestrians that cannot
+/// wait where they set out.
 pub fn departures(trial: &PlannedTrial) -> Vec<String> {
     let mut said = Vec::new();
     let worlds = trial.cases.worlds();
@@ -52,23 +50,17 @@ pub fn departures(trial: &PlannedTrial) -> Vec<String> {
     said
 }
 
-/// Every place from which people set out too near to a lane for waiting, of each the nearest.
-fn without_room(worlds: &[Arc<World>]) -> Vec<String> {
-    let mut nearest: BTreeMap<(usize, usize), (TooNear, &World, usize)> = BTreeMap::new();
-    for world in worlds {
-        for found in too_near(world) {
-            let known = nearest.entry((found.pedestrian, found.refuge)).or_insert((found, world, 0));
-            known.2 += 1;
-            if found.missing() > known.0.missing() {
-                (known.0, known.1) = (found, world);
+/// Every place from which a pedestrian sets out too near to a lane for waiting.
+fn without_room(worlds: &[Arc<World>]) -> impl Iterator<Item = String> {
+    nearest_starts(worlds.iter().map(|world| &**world)).into_iter().map(
+        |NearestStart { found, world, times }| {
+            let words = too_near_words(&worlds[world], &found);
+            match times == worlds.len() {
+                true => words,
+                false => format!("in {times} of {} worlds looked at {words}", worlds.len()),
             }
-        }
-    }
-    let words = |(found, world, times): &(TooNear, &World, usize)| match *times == worlds.len() {
-        true => too_near_words(world, found),
-        false => format!("in {times} of {} worlds looked at {}", worlds.len(), too_near_words(world, found)),
-    };
-    nearest.values().map(words).collect()
+        },
+    )
 }
 
 /// Adds what departs in a case of a scenario to what was `found` in others, each thing once.

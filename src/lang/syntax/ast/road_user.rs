@@ -373,7 +373,7 @@ pub static PEDESTRIAN: BlockEntry = BlockEntry {
             "may start inside",
             Rule::may_start_inside,
             "may start inside",
-            "Says that it may start so near to a lane that its model cannot wait there, so that this is no error but a line of the report.",
+            "Says that it may start so near to a lane that its model cannot wait there: a line of the report instead of an error.",
         )
         .key("may_start_inside", YamlShape::Flag),
         statement(

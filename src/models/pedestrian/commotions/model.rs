@@ -421,7 +421,7 @@ impl Walker {
         decision.map_or((self.free_speed - speed) / self.action_duration, |decision| decision.acceleration)
     }
 
-    /// Looks for whom it meets, and what the rules are at the moment.
+    /// Finds the vehicles that it meets; the rules of the moment.
     fn sight(&mut self, scene: &Scene) -> Rules {
         let me = scene.ego();
         let rules = Rules {

@@ -1,59 +1,49 @@
-//! Claims whose number depends on people who decide at first sight, and looks that outlast all vehicles: looked at before anything runs.
+//! Claims whose number depends on pedestrians that decide at first sight, and looks that outlast all vehicles: before anything runs.
 
 use super::budget::at;
-use crate::plan;
+use super::sampled::SampledScenario;
 use lang::{Code, Diagnostic, Sources};
 use scenario::{
-    Aggregate, CaseSet, Claim, DeclaredMayGo, DeclaredPedestrian, LookEffect, Measured, MetricReference,
-    Origin, OutcomesOf, Scenario, Stake, Suite,
+    Aggregate, Case, CaseSet, Claim, DeclaredMayGo, DeclaredPedestrian, Measured, MetricReference, Origin,
+    OutcomesOf, Scenario, Stake, Suite,
 };
 use sim::{decides_at_first_sight, looks_until_all_are_past};
 
-/// Scenarios with this tag are as somebody published them.
-const AS_PUBLISHED: &str = "published";
+/// Scenarios with this tag are as their source has them.
+const PUBLISHED: &str = "published";
 
-/// So many drawn runs of a scenario are looked at, at most.
-const MOST_DRAWN: usize = 40;
-
-/// One warning a suite, where in a scenario that something claims a rate of collisions or who goes first of, people decide at first sight.
-/// Suites that hold their results against a source are left out, and so are scenarios with the tag `published`; what cannot be planned is left
-/// to planning.
-pub(super) fn examine_first_sight(suite: &Suite, sources: &Sources) -> Vec<Diagnostic> {
+/// One warning a suite: something claims a rate of collisions or a passing order in a scenario in which a pedestrian decides at first sight.
+/// Suites that hold their results against a source are left out, and so are scenarios with the tag `published`.
+pub(super) fn examine_first_sight(
+    suite: &Suite,
+    sampled: &[SampledScenario],
+    sources: &Sources,
+) -> Vec<Diagnostic> {
     let mut published = suite.statements.iter().map(|statement| &statement.source);
     if published.any(Option::is_some) || suite.evaluates.iter().any(|evaluate| evaluate.source.is_some()) {
         return Vec::new();
     }
-    let believes = |person: &DeclaredPedestrian| {
-        let models = person.model.all().iter().filter_map(|model| model.known());
-        models.into_iter().any(|model| model.look == LookEffect::Counts)
-    };
-    let told = suite.scenarios.iter().filter(|scenario| {
-        scenario.pedestrians.iter().any(believes) && !scenario.tags.iter().any(|tag| tag == AS_PUBLISHED)
+    let mut told = sampled.iter().filter_map(|one| {
+        let is_published = one.scenario.tags.iter().any(|tag| tag == PUBLISHED);
+        let claim = depends_on_first_sight(suite, one.scenario).filter(|_| !is_published)?;
+        Some((one.scenario, claim, decides_in_some(one)?))
     });
-    let mut found: Option<(Diagnostic, usize)> = None;
-    for scenario in told {
-        let Some((what, origin)) = depends_on_first_sight(suite, scenario) else { continue };
-        let Some((who, share)) = people_at_first_sight(suite, scenario) else { continue };
-        if let Some((_, others)) = &mut found {
-            *others += 1;
-            continue;
-        }
-        let message =
-            format!("`{what}` depends on `{who}` of `{}`, who decides at first sight{share}", scenario.name);
-        let finding = at(Code::FirstSight, origin, message, sources)
-            .label("is about people who have not looked")
-            .hint("say for how long they look before they may go: `looks for 1 s`; populations that ship were fitted without a look, so that the new number is uncalibrated");
-        found = Some((finding, 0));
-    }
-    let said = |(finding, others): (Diagnostic, usize)| match others {
+    let Some((scenario, (claim, origin), (pedestrian, share))) = told.next() else { return Vec::new() };
+    let message = format!(
+        "`{claim}` depends on `{pedestrian}` of `{}`, who decides at first sight{share}",
+        scenario.name
+    );
+    let finding = at(Code::FirstSight, origin, message, sources)
+        .label("is about people who have not looked")
+        .hint("say for how long they look before they may go: `looks for 1 s`; populations that ship were fitted without a look, so that the new number is uncalibrated");
+    vec![match told.count() {
         0 => finding,
         1 => finding.note("so it is in one more scenario"),
-        _ => finding.note(format!("so it is in {others} more scenarios")),
-    };
-    found.map(said).into_iter().collect()
+        others => finding.note(format!("so it is in {others} more scenarios")),
+    }]
 }
 
-/// What claims a rate of collisions or who goes first in a scenario, and where.
+/// What claims a rate of collisions or a passing order in a scenario, and where.
 fn depends_on_first_sight<'s>(suite: &'s Suite, scenario: &'s Scenario) -> Option<(String, &'s Origin)> {
     let is_it = |name: &str| name == scenario.name;
     let criteria = scenario.criteria.iter().filter(|criterion| depends(&criterion.claim));
@@ -108,54 +98,101 @@ fn is_order(metric: &MetricReference) -> bool {
     metric.known().is_some_and(|metric| metric.stake == Stake::Order)
 }
 
-/// Metrics that say whether somebody was hit.
+/// Whether a metric says that a pedestrian was hit.
 fn is_collision(metric: &MetricReference) -> bool {
     ["collision", "impact_speed"].contains(&metric.name())
 }
 
-/// The first pedestrian of a scenario who decides at first sight, and in which share of the runs if not in all. Where something says when a
-/// pedestrian may go, some values may let it go at once.
-fn people_at_first_sight(suite: &Suite, scenario: &Scenario) -> Option<(String, String)> {
-    let runs = plan::sample_scenario(suite, scenario, MOST_DRAWN).ok()?;
-    (0..scenario.pedestrians.len()).find_map(|person| {
-        let count = runs.iter().filter(|case| decides_at_first_sight(&case.world, person)).count();
-        let is_unsaid = scenario.pedestrians[person].may_go == DeclaredMayGo::AtOnce;
-        let share = match count {
-            all if all == runs.len() && all > 0 => String::new(),
-            some if some > 0 && is_unsaid => format!(" in {some} of {} runs looked at", runs.len()),
-            _ => return None,
-        };
-        Some((scenario.pedestrians[person].name.clone(), share))
+/// The first pedestrian that decides at first sight, and in which share of the runs if not in all. Where a scenario says when it may go, some
+/// values may let it go at once.
+fn decides_in_some(SampledScenario { scenario, runs }: &SampledScenario) -> Option<(String, String)> {
+    scenario.pedestrians.iter().enumerate().find_map(|(pedestrian, declared)| {
+        let count = runs.iter().filter(|case| decides_at_first_sight(&case.world, pedestrian)).count();
+        let share = share_of(count, runs)?;
+        let is_said = declared.may_go != DeclaredMayGo::AtOnce;
+        (share.is_empty() || !is_said).then(|| (declared.name.clone(), share.replacen("in", " in", 1)))
     })
 }
 
+/// Nothing of all runs, "in 3 of 40 runs looked at" of some; `None` of none.
+fn share_of(count: usize, runs: &[Case]) -> Option<String> {
+    match count {
+        0 => None,
+        all if all == runs.len() => Some(String::new()),
+        some => Some(format!("in {some} of {} runs looked at", runs.len())),
+    }
+}
+
 /// A warning for every pedestrian that looks until all vehicles are past: nothing is left to be met then.
-pub(super) fn examine_long_looks(suite: &Suite, sources: &Sources) -> Vec<Diagnostic> {
-    let looks = |person: &DeclaredPedestrian| matches!(person.may_go, DeclaredMayGo::After(_));
-    let mut found = Vec::new();
-    for scenario in suite.scenarios.iter().filter(|scenario| scenario.pedestrians.iter().any(looks)) {
-        let runs = plan::sample_scenario(suite, scenario, MOST_DRAWN).unwrap_or_default();
-        for (person, declared) in scenario.pedestrians.iter().enumerate() {
-            let past = runs.iter().filter(|case| looks_until_all_are_past(&case.world, person)).count();
-            if past == 0 {
-                continue;
-            }
-            let share = if past == runs.len() {
-                String::new()
-            } else {
-                format!("in {past} of {} runs looked at ", runs.len())
-            };
-            let said = scenario.written.get(&format!("{}.looks", declared.name));
-            let origin = said.map_or(&declared.origin, |said| &said.origin);
-            let message = format!(
-                "{share}{} `{}` looks until every vehicle is past, unless one brakes for it",
-                declared.kind.word(),
-                declared.name
-            );
-            found.push(at(Code::LongLook, origin, message, sources).label("nothing is left to meet").hint(
-                "let vehicles be farther away by the look: `appears when time_to_arrival(av) = gap + look`, or `start gap + look before crossing`",
-            ));
+pub(super) fn examine_long_looks(sampled: &[SampledScenario], sources: &Sources) -> Vec<Diagnostic> {
+    sampled.iter().flat_map(|one| long_looks(one, sources)).collect()
+}
+
+fn long_looks(SampledScenario { scenario, runs }: &SampledScenario, sources: &Sources) -> Vec<Diagnostic> {
+    let of_pedestrian = |(pedestrian, declared): (usize, &DeclaredPedestrian)| {
+        let past = runs.iter().filter(|case| looks_until_all_are_past(&case.world, pedestrian)).count();
+        let share = share_of(past, runs)?;
+        let said = scenario.written.get(&format!("{}.looks", declared.name));
+        let origin = said.map_or(&declared.origin, |said| &said.origin);
+        let gap = if share.is_empty() { "" } else { " " };
+        let message = format!(
+            "{share}{gap}{} `{}` looks until every vehicle is past, unless one brakes for it",
+            declared.kind.word(),
+            declared.name
+        );
+        Some(at(Code::LongLook, origin, message, sources).label("nothing is left to meet").hint(
+            "let vehicles be farther away by the look: `appears when time_to_arrival(av) = gap + look`, or `start gap + look before crossing`",
+        ))
+    };
+    scenario.pedestrians.iter().enumerate().filter_map(of_pedestrian).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::sampled::sample;
+    use super::*;
+    use files::Memory;
+    use models::standard;
+
+    /// What is said to depend on first sight where a scenario whose pedestrian decides at first sight has these blocks.
+    fn dependent(blocks: &str) -> Option<String> {
+        let text = format!(
+            "scenario a {{
+  road {{ lane_width 3.5 m; speed_limit 30 km/h; crossing zebra }}
+  draw gap from uniform(3 s, 6 s)
+  vehicle av {{ controller yielding; speed 30 km/h; start gap before crossing }}
+  pedestrian walker {{ model commotions; start 2 m from kerb }}
+  repeat 20
+  expect {{ mean(max_deceleration) <= 9 m/s^2 with 95 % confidence }}
+}}
+{blocks}
+"
+        );
+        let files = Memory::default().with("text.scn", text.as_str());
+        let loaded = lang::load("text.scn".as_ref(), &standard(), &files);
+        let loaded = loaded.unwrap_or_else(|failure| panic!("{text}\n{:?}", failure.diagnostics));
+        let found = examine_first_sight(&loaded.suite, &sample(&loaded.suite), &loaded.sources);
+        assert!(found.len() <= 1);
+        found.first().map(|finding| finding.message.split('`').nth(1).unwrap_or_default().to_string())
+    }
+
+    #[test]
+    fn every_unit_that_claims_collisions_or_an_order_depends_on_first_sight() {
+        let estimate = "estimate p { of a; event collision; budget 1000 runs, by crude }";
+        let evaluate = "evaluate e { on a; with default; measure rate(collision) }";
+        let tune = "tune t { on a; minimise mean(max_deceleration); subject to no collision
+  over av.controller.margin in 0.5 m .. 2 m; budget 4 evaluations, by random }";
+        let statement = "statement s { claim rate(collision) of a <= 50 % }";
+        for (blocks, expected) in [
+            ("", None),
+            (estimate, Some("estimate p")),
+            (evaluate, Some("evaluate e")),
+            (tune, Some("tune t")),
+            (statement, Some("rate(collision) of a <= 50 %")),
+            ("statement s { source \"A book\"; claim rate(collision) of a <= 50 % }", None),
+            ("statement s { claim mean(max_deceleration) of a <= 5 m/s^2 }", None),
+        ] {
+            assert_eq!(dependent(blocks).as_deref(), expected, "{blocks}");
         }
     }
-    found
 }
