@@ -79,7 +79,7 @@ pub enum Fault {
     /// The time to arrival that a pedestrian waits for is past when it begins to wait.
     #[error("pedestrian {} waits for a time to arrival that is past", .0.pedestrian)]
     PastArrival(PastArrival),
-    /// The run ended before a pedestrian that was there, and that nothing touched, might go.
+    /// The run ended before a pedestrian that was there, and that no vehicle touched, might go.
     #[error("pedestrian {pedestrian} may go at {may_go} s, and the run ends at {time} s")]
     NeverMayGo {
         /// Index into [`World::pedestrians`].

@@ -19,7 +19,7 @@ struct Permission {
     place: f64,
     /// When the pedestrian appeared, s.
     appeared: Option<f64>,
-    /// Whether anything touched it while it waited.
+    /// Whether a vehicle touched it while it waited.
     touched: bool,
 }
 
@@ -66,10 +66,10 @@ impl Permissions {
         past
     }
 
-    /// Notes which pedestrians are touched.
+    /// Notes which pedestrians vehicles touch.
     pub fn note_touches(&mut self, touches: &[Touch]) {
-        for solid in touches.iter().flat_map(|touch| [touch.first, touch.second]) {
-            if let Solid::Pedestrian(pedestrian) = solid {
+        for touch in touches {
+            if let (Solid::Vehicle(_), Solid::Pedestrian(pedestrian)) = (touch.first, touch.second) {
                 self.each[pedestrian].touched = true;
             }
         }

@@ -109,8 +109,11 @@ fn decides_in_some(SampledScenario { scenario, runs }: &SampledScenario) -> Opti
     scenario.pedestrians.iter().enumerate().find_map(|(pedestrian, declared)| {
         let count = runs.iter().filter(|case| decides_at_first_sight(&case.world, pedestrian)).count();
         let share = share_of(count, runs)?;
-        let is_said = declared.may_go != DeclaredMayGo::AtOnce;
-        (share.is_empty() || !is_said).then(|| (declared.name.clone(), share.replacen("in", " in", 1)))
+        match (share.is_empty(), &declared.may_go) {
+            (true, _) => Some((declared.name.clone(), share)),
+            (false, DeclaredMayGo::AtOnce) => Some((declared.name.clone(), format!(" {share}"))),
+            (false, _) => None,
+        }
     })
 }
 
