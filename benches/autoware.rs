@@ -52,6 +52,7 @@ fn controller() -> Box<dyn Controller> {
         other_roads: Vec::new(),
         vehicles: vec![setup],
         pedestrians: Vec::new(),
+        streams: Vec::new(),
         step: 0.025,
         horizon: 60.0,
         finish: 20.0,

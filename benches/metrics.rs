@@ -127,6 +127,7 @@ fn world() -> World {
             reference: 0.0,
             obeys_signals: false,
         }],
+        streams: Vec::new(),
         step: STEP,
         horizon: 60.0,
         finish: 20.0,

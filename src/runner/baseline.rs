@@ -291,6 +291,7 @@ fn parts(cases: &[Case]) -> Parts {
     let World {
         road,
         other_roads,
+        streams: _,
         vehicles,
         pedestrians: _,
         step: _,

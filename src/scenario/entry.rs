@@ -10,8 +10,8 @@ use serde::{Deserialize, Serialize, Serializer};
 use super::agent::{CommandKind, Controller, Dynamics, ModelError, Pedestrian, Perception, Schedule};
 use super::{
     Appearance, Attention, Chance, Declaration, DeclaredProgram, Dimension, MayGo, Parameter, Path, Position,
-    Reference, Registered, Road, RoadUserKind, SettingError, Settings, Shape, Side, SignalConduct, Text,
-    VehicleStart,
+    Reference, Registered, Road, RoadUserKind, SettingError, Settings, Shape, Side, SignalConduct, Stream,
+    Text, VehicleStart,
 };
 
 /// What the simulation needs to know of a case.
@@ -24,6 +24,9 @@ pub struct World {
     pub other_roads: Vec<Road>,
     /// In the order in which they are declared, which is that of every index of a vehicle.
     pub vehicles: Vec<VehicleSetup>,
+    /// Those of them that come one after the other.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub streams: Vec<Stream>,
     /// In the order in which they are declared, which is that of every index of a pedestrian.
     pub pedestrians: Vec<PedestrianSetup>,
     /// s

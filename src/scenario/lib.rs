@@ -62,6 +62,7 @@ mod road_user_kind;
 mod signal;
 mod signal_conduct;
 mod statement;
+mod stream;
 mod symbol;
 mod traffic_signal;
 mod trial;
@@ -134,6 +135,7 @@ pub use statement::{
     DeclaredStanding, Measured, OutcomesOf, Quantity, Statement, StatementClaim, StatementClaimKind,
     TrendDirection,
 };
+pub use stream::Stream;
 pub use symbol::Symbol;
 pub use traffic_signal::{DeclaredSignal, STOP_LINE, SeenSignal, SignalError, SignalState, TrafficSignal};
 pub use trial::{Rounds, Trial};

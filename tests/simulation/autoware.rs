@@ -111,6 +111,7 @@ fn world(settings: &Settings, time_to_arrival: f64) -> World {
             obeys_signals: false,
         }],
         pedestrians: vec![at_side(Side::Near)],
+        streams: Vec::new(),
         step: 0.025,
         horizon: 60.0,
         finish: 20.0,

@@ -60,6 +60,7 @@ fn encounter(tta: f64, car: &str, agent: &[(&str, Value)], walker: &[(&str, Valu
             reference: 0.0,
             obeys_signals: false,
         }],
+        streams: Vec::new(),
         step: 0.025,
         horizon: 60.0,
         finish: 60.0,

@@ -60,6 +60,7 @@ fn zebra(controller: &str, tta: f64, person: Settings) -> World {
             reference: 0.0,
             obeys_signals: false,
         }],
+        streams: Vec::new(),
         step: 0.025,
         horizon: 40.0,
         finish: 20.0,

@@ -148,6 +148,7 @@ fn encounter(controller: &Arc<ControllerModel>, dynamics: &Arc<DynamicsModel>, d
             reference: 0.0,
             obeys_signals: false,
         }],
+        streams: Vec::new(),
         step: 0.025,
         horizon: 30.0,
         finish: 40.0,

@@ -25,6 +25,7 @@ pub fn street(speed: f64, vehicles: Vec<VehicleSetup>, pedestrians: Vec<Pedestri
         other_roads: Vec::new(),
         vehicles,
         pedestrians,
+        streams: Vec::new(),
         step: 0.025,
         horizon: 25.0,
         finish: 20.0,

@@ -146,6 +146,7 @@ impl Zebra {
                 reference: 0.0,
                 obeys_signals: false,
             }],
+            streams: Vec::new(),
             step: self.step,
             horizon: self.horizon,
             finish: 1e6,

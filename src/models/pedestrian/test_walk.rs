@@ -162,6 +162,7 @@ pub fn world() -> World {
             reference: 0.0,
             obeys_signals: false,
         }],
+        streams: Vec::new(),
         step: 0.025,
         horizon: 60.0,
         finish: 60.0,

@@ -191,6 +191,7 @@ pub fn world(length: f64, width: f64) -> World {
             obeys_signals: false,
         }],
         pedestrians: Vec::new(),
+        streams: Vec::new(),
         step: 0.025,
         horizon: 60.0,
         finish: 60.0,

@@ -46,6 +46,7 @@ pub fn unchecked(
         other_roads,
         vehicles,
         pedestrians,
+        streams: Vec::new(),
         step: scenario.step,
         horizon: scenario.horizon,
         finish: scenario.finish,

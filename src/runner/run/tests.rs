@@ -25,6 +25,7 @@ fn case(number: usize) -> Case {
         other_roads: Vec::new(),
         vehicles: Vec::new(),
         pedestrians: Vec::new(),
+        streams: Vec::new(),
         step: 0.025,
         horizon: 1.0,
         finish: 1.0,

@@ -26,6 +26,7 @@ impl Registry {
         let World {
             road: _,
             other_roads: _,
+            streams: _,
             vehicles,
             pedestrians,
             step: _,
