@@ -278,6 +278,11 @@ codes! {
          centre of the lane, 2.15 m for a disc of 0.25 m, a car 1.8 m wide and 1 m. Nearer it has only one option, to go first, and is hit \
          where that fails: a car that is 1 s away hits 281 of 300 `humans` that start 2 m from the centre of its lane. Let it start farther away, \
          declare a smaller `D_s`, or say `may start inside` if that is what the scenario is about.";
+    BadStream = "E0538", "a stream of vehicles is not one",
+        "`stream cars { lane 0; speed 30 km/h; controller constant_speed; first 2 s before crossing; gaps 3 s, 4 s, then 2.5 s }` is vehicles \
+         that come one after the other, called `cars_1`, `cars_2` and so on: nobody else in the scenario is called like that. A gap is the \
+         time from front to front, longer than a vehicle takes to drive its own length. Up to the horizon there are at most 200. \
+         `stream far { repeats cars, 1.5 s later; lane 1 }` is another one with the same gaps.";
     UnmeantModel = "E0525", "a number with one published value is varied",
         "Some numbers of a model are no free choice. The noise and the filters of `commotions` are per time step, so that with \
          another `dt` than the published one (25 ms for variants with noise, 100 ms for those without) it is another model, \

@@ -292,6 +292,7 @@ enum Named {
     Value,
     Variation,
     Vehicle,
+    Stream,
     RoadUser,
     /// Also boxes of the road.
     Solid,
@@ -313,6 +314,7 @@ impl Named {
             }
             Self::Variation => varied(),
             Self::Vehicle => ast::Vehicle::cast(node).is_some(),
+            Self::Stream => ast::Vehicle::cast(node).is_some_and(ast::Vehicle::is_stream),
             Self::RoadUser => user(),
             Self::Solid => user() || ast::Obstacle::cast(node).is_some(),
             Self::Target => varied() || user(),
@@ -330,6 +332,7 @@ fn named(statement: &[&str], registry: &Registry) -> Option<Named> {
     let call = open.and_then(|open| statement.get(open.checked_sub(1)?)).copied();
     match (statement.first().copied(), call) {
         (_, Some("time_to_arrival")) | (Some("test"), None) => Some(Named::Vehicle),
+        (Some("repeats"), None) => Some(Named::Stream),
         (_, Some("chosen")) | (Some("over"), None) => Some(Named::Target),
         (_, Some(call)) if AggregateWord::find(call).is_some() => None,
         (_, Some(call))

@@ -42,8 +42,7 @@ impl Case {
             label: one.label.clone(),
             value: one.value.clone(),
         };
-        // The name of a person's draw is no name that a file can give.
-        self.drawn.iter().filter(|one| !one.name.contains('.')).map(value)
+        self.drawn.iter().filter(|one| !one.is_person()).map(value)
     }
 }
 

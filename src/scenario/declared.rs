@@ -10,10 +10,10 @@ use files::hexadecimal;
 
 use super::{
     Calibrate, ControllerModel, Criterion, DeclaredBend, DeclaredDraw, DeclaredGround, DeclaredOtherRoad,
-    DeclaredSignal, Distribution, DynamicsModel, Estimate, Evaluate, EvaluationError, Expression, Gate,
-    Individuals, MetricReference, Notation, Origin, PedestrianModel, PerceptionModel, PopulationShare,
-    Rating, Reference, Road, RoadUserKind, Search, Side, Statement, Tune, Value, VariedValue,
-    VehicleReference, Written,
+    DeclaredSignal, DeclaredStream, Distribution, DynamicsModel, Estimate, Evaluate, EvaluationError,
+    Expression, Gate, Individuals, MetricReference, Notation, Origin, PedestrianModel, PerceptionModel,
+    PopulationShare, Rating, Reference, Road, RoadUserKind, Search, Side, Statement, Stream, Tune, Value,
+    VariedValue, VehicleReference, Written,
 };
 
 /// A suite: scenarios and what holds for all of them. A bare `.scn` file becomes a suite named after the file.
@@ -200,6 +200,16 @@ pub struct Scenario {
 }
 
 impl Scenario {
+    /// What declares a vehicle of this name, which may be one of a stream.
+    pub fn vehicle(&self, name: &str) -> Option<&Vehicle> {
+        let stream = Stream::of_member(name);
+        let declares = |car: &&Vehicle| match car.start {
+            DeclaredVehicleStart::Stream(_) => stream.is_some_and(|(stream, _)| stream == car.name),
+            _ => car.name == name,
+        };
+        self.vehicles.iter().find(declares)
+    }
+
     /// Whether its runs differ in what they draw: values, or people.
     pub fn is_drawn(&self) -> bool {
         !self.draws.is_empty() || self.draws_people()
@@ -254,7 +264,7 @@ pub struct Model<T> {
     pub origin: Origin,
 }
 
-/// A vehicle as it is declared.
+/// A vehicle as it is declared, or all vehicles of a stream.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Vehicle {
     /// As the scenario calls it.
@@ -324,6 +334,8 @@ pub enum DeclaredVehicleStart {
     Distance(Expression),
     /// At this time to arrival (of the centre at the middle of the crossing), s.
     TimeToArrival(Expression),
+    /// It stands for many that come one after the other.
+    Stream(DeclaredStream),
 }
 
 /// A pedestrian as they are declared.

@@ -222,7 +222,22 @@ impl Distribution {
         self.numbers().into_iter().flat_map(Expression::variables).collect()
     }
 
-    fn numbers(&self) -> Vec<&Expression> {
+    pub(crate) fn numbers(&self) -> Vec<&Expression> {
+        match self {
+            Self::Uniform { low, high } => vec![low, high],
+            Self::Normal { mean, standard_deviation } => vec![mean, standard_deviation],
+            Self::TruncatedNormal { mean, standard_deviation, low, high } => {
+                vec![mean, standard_deviation, low, high]
+            }
+            Self::LogNormal { median, sigma } => vec![median, sigma],
+            Self::Triangular { low, mode, high } => vec![low, mode, high],
+            Self::Beta { alpha, beta, low, high } => vec![alpha, beta, low, high],
+            Self::Exponential { mean } => vec![mean],
+            Self::Choice(_) | Self::Weighted { .. } => Vec::new(),
+        }
+    }
+
+    pub(crate) fn numbers_mut(&mut self) -> Vec<&mut Expression> {
         match self {
             Self::Uniform { low, high } => vec![low, high],
             Self::Normal { mean, standard_deviation } => vec![mean, standard_deviation],

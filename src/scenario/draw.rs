@@ -84,3 +84,10 @@ pub struct Draw {
     /// The share of the distribution that lies below, between 0 and 1: the coordinate of the run. Names that are drawn together have one.
     pub share: f64,
 }
+
+impl Draw {
+    /// Whether it says who walks.
+    pub fn is_person(&self) -> bool {
+        self.name.ends_with(".individual")
+    }
+}

@@ -3,13 +3,14 @@
 use super::{
     Aggregate, BendRadius, Claim, DeclaredAppearance, DeclaredBend, DeclaredFollowing, DeclaredGround,
     DeclaredMayGo, DeclaredOtherRoad, DeclaredPedestrian, DeclaredPiece, DeclaredShape, DeclaredSignal,
-    DeclaredVehicleStart, Expression, Model, Origin, PieceKind, Vehicle, WalksAlong,
+    DeclaredStream, DeclaredVehicleStart, Expression, FurtherGaps, Model, Origin, PieceKind, Vehicle,
+    WalksAlong,
 };
 
 /// Declares how the expressions of something are gathered, for looking at them and for changing them. Everything is taken apart,
 /// so that a field that is new has to be decided about.
 macro_rules! expressions {
-    ($($mut:tt)?) => {
+    ($numbers:ident $($mut:tt)?) => {
         use super::*;
 
         pub fn vehicle(car: &$($mut)? Vehicle) -> Vec<(&$($mut)? Expression, &Origin)> {
@@ -29,6 +30,22 @@ macro_rules! expressions {
                 DeclaredVehicleStart::Automatic => {}
                 DeclaredVehicleStart::Distance(value) | DeclaredVehicleStart::TimeToArrival(value) => {
                     found.push((value, origin));
+                }
+                DeclaredVehicleStart::Stream(DeclaredStream { first, gaps, then }) => {
+                    found.push((first, origin));
+                    for gap in gaps {
+                        found.push((gap, origin));
+                    }
+                    match then {
+                        FurtherGaps::None => {}
+                        FurtherGaps::Alike(gap) => found.push((gap, origin)),
+                        FurtherGaps::Drawn { distribution, chance } => {
+                            found.push((chance, origin));
+                            for number in distribution.$numbers() {
+                                found.push((number, origin));
+                            }
+                        }
+                    }
                 }
             }
             if let DeclaredFollowing::Behind(behind) = follows {
@@ -195,11 +212,11 @@ macro_rules! expressions {
 }
 
 mod shared {
-    expressions!();
+    expressions!(numbers);
 }
 
 mod exclusive {
-    expressions!(mut);
+    expressions!(numbers_mut mut);
 }
 
 impl Vehicle {

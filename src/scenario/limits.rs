@@ -77,6 +77,10 @@ pub const VEHICLE_SPEED: Limit = limit(Dimension::SPEED, 0.0, 100.0);
 pub const VEHICLE_START: Limit = limit(Dimension::LENGTH, 0.0, 10_000.0);
 /// Time to arrival at time 0.
 pub const VEHICLE_ARRIVAL: Limit = limit(Dimension::TIME, 0.0, 600.0);
+/// From the front of a vehicle of a stream to that of the next.
+pub const GAP: Limit = limit(Dimension::TIME, 0.1, 600.0);
+/// From one stream to another that repeats it.
+pub const LATER: Limit = limit(Dimension::TIME, 0.0, 600.0);
 /// From kerb or lane centre, as it is written.
 pub const PEDESTRIAN_START: Limit = limit(Dimension::LENGTH, -100.0, 100.0);
 /// Of pedestrians along the road, from the middle of the crossing.

@@ -129,17 +129,7 @@ fn single(
     let (name, span) = (node.name().text().to_string(), node.name().span());
     let origin = places.origin(node.span());
     if let Some(file) = node.file() {
-        let (path, table) = read(file, |column| column == name || column == WEIGHT, places, report)?;
-        refuse_near_weight(file.span(), &table, &name, report);
-        let Some(index) = table.by_name().get(name.as_str()).copied() else {
-            let names = table.header.iter().map(String::as_str).filter(|column| *column != WEIGHT);
-            report.push(
-                Diagnostic::new(Code::BadDraw, span, format!("the file has no column `{name}`"))
-                    .label("not in its header")
-                    .suggest(&name, names),
-            );
-            return None;
-        };
+        let (path, table, index) = column(file, (&name, span), places, report)?;
         return Some(of_columns(&path, &table, &[index], span, origin));
     }
     let others: HashMap<String, Binding> = known
@@ -157,6 +147,40 @@ fn single(
     let from = DrawSource::Distribution { distribution, unit };
     let draw = DeclaredDraw { names: vec![name.clone()], from, origin };
     Some(Found { draw, columns: vec![NamedColumn { name, span, kind, notation, values }] })
+}
+
+/// The table of a file of which one column is wanted, and the place of that column in it.
+fn column(
+    file: ast::Text,
+    (name, span): (&str, Span),
+    places: &TextPlaces,
+    report: &mut Vec<Diagnostic>,
+) -> Option<(String, ReadTable, usize)> {
+    let (path, table) = read(file, |column| column == name || column == WEIGHT, places, report)?;
+    refuse_near_weight(file.span(), &table, name, report);
+    let Some(index) = table.by_name().get(name).copied() else {
+        let names = table.header.iter().map(String::as_str).filter(|column| *column != WEIGHT);
+        report.push(
+            Diagnostic::new(Code::BadDraw, span, format!("the file has no column `{name}`"))
+                .label("not in its header")
+                .suggest(name, names),
+        );
+        return None;
+    };
+    Some((path, table, index))
+}
+
+/// The values of a column of a file, what they are, and the weights of its rows if it has some.
+pub fn read_column(
+    file: ast::Text,
+    name: &str,
+    places: &TextPlaces,
+    report: &mut Vec<Diagnostic>,
+) -> Option<(ValueKind, Vec<VariedValue>, Option<Vec<f64>>)> {
+    let (_, table, index) = column(file, (name, file.span()), places, report)?;
+    let values = table.of_columns(&[index]).into_iter().flatten().collect();
+    let weights = table.header.iter().any(|column| column == WEIGHT).then_some(table.weights);
+    Some((table.columns[index].kind, values, weights))
 }
 
 /// Of a file of which one column is drawn the others are let off, but for one that can only be meant as the column of weights.

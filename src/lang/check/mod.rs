@@ -38,6 +38,7 @@ mod same_as;
 mod scenario;
 mod search_expect;
 mod statement;
+mod stream;
 mod subject;
 mod target;
 mod tested;

@@ -15,7 +15,7 @@ use super::places::TextPlaces;
 use super::road::{DeclaredRoad, road, write_road};
 use super::same_as::check_same_as;
 use super::vehicle::{check_starts, vehicle, write_vehicle};
-use super::{draw, group, runs, variation};
+use super::{draw, group, runs, stream, variation};
 use crate::codes::Code;
 use crate::diagnostic::{Diagnostic, Remedy, nearest};
 use crate::source::Span;
@@ -66,8 +66,9 @@ pub fn scenario(
         }
         None => (None, None, None, Vec::new(), None),
     };
-    let vehicle_groups =
+    let mut vehicle_groups =
         grouped(&layers, |block| block.vehicles().map(|one| (one.name(), one.block())).collect(), report);
+    let repeated = stream::repeat(&mut vehicle_groups, report);
     let elsewhere = other_roads(&vehicle_groups, road.as_ref(), places, &mut written, report);
     let pedestrian_groups =
         grouped(&layers, |block| block.pedestrians().map(|one| (one.name(), one)).collect(), report);
@@ -79,16 +80,23 @@ pub fn scenario(
     for (name, binding) in &varied {
         binding.value.iter().for_each(|typed| written.variation(name, typed, places));
     }
+    let number =
+        |said: Option<Said<ast::Expression>>, limit: Limit, what: &str, default: f64, report: &mut _| {
+            let Some(Said { node, scope }) = said else { return Some(default) };
+            value::constant_in(node, limit.dimension, limit.range, what, scope, report)
+        };
     let mut vehicles: Vec<(Span, Vehicle)> = Vec::new();
     let mut alike = Vec::new();
     for (name, layers) in &vehicle_groups {
         let roads = (road.as_ref(), elsewhere.as_slice());
-        if let Some(vehicle) = vehicle(*name, layers, roads, places, &mut written, &mut alike, report) {
-            vehicles.push((name.span(), vehicle));
-        }
+        let found = vehicle(*name, layers, roads, &repeated, places, &mut written, &mut alike, report);
+        vehicles.extend(found.map(|vehicle| (name.span(), vehicle)));
     }
+    let horizon = last(&layers, |block| block.horizon().map(ast::Horizon::value));
+    let horizon = number(horizon, limits::HORIZON, "the horizon", Defaults::HORIZON, report);
+    let drivers = drivers(&vehicle_groups, &vehicles, horizon);
     let mut cast = Cast {
-        vehicles: vehicle_groups.iter().map(|(name, _)| name.text()).collect(),
+        vehicles: drivers.iter().map(String::as_str).collect(),
         pedestrians: everybody.iter().flat_map(|(_, who)| who).map(|one| one.name.as_str()).collect(),
         groups: Membership::groups(
             everybody.iter().flat_map(|(_, who)| who).map(|one| (one.name.as_str(), one.group.as_ref())),
@@ -113,6 +121,14 @@ pub fn scenario(
             pedestrians.extend(person);
             group::once(found, report);
         }
+    }
+    let others = vehicle_groups.iter().map(|(name, _)| (name.text(), name.span()));
+    let people = everybody.iter().flat_map(|(_, who)| who).map(|one| (one.name.as_str(), one.span));
+    let boxes = cast.boxes.iter().map(|body| (*body, name.span()));
+    let others: Vec<(&str, Span)> = others.chain(people).chain(boxes).collect();
+    for group in vehicle_groups.iter().filter(|(_, layers)| is_stream(layers)) {
+        let declared = declared(&vehicles, group.0);
+        stream::check(group, declared, horizon, &others, report);
     }
     let unread = layers.iter().any(|layer| layer.block.is_broken()) || road.is_none();
     let broken = report.len() > before || unread;
@@ -151,21 +167,14 @@ pub fn scenario(
     let draws_people = pedestrians.iter().any(draws_person);
     criteria.iter_mut().for_each(|(_, criterion)| criterion.reach.drawn_people = draws_people);
 
-    let number =
-        |said: Option<Said<ast::Expression>>, limit: Limit, what: &str, default: f64, report: &mut _| {
-            let Some(Said { node, scope }) = said else { return Some(default) };
-            value::constant_in(node, limit.dimension, limit.range, what, scope, report)
-        };
     let step = last(&layers, |block| block.step().map(ast::Step::value));
     if let Some(Said { node, scope }) = step
         && let Some(typed) = value::evaluate(node, scope, &mut Vec::new())
     {
         written.variation("step", &typed, places);
     }
-    let horizon = last(&layers, |block| block.horizon().map(ast::Horizon::value));
     let finish = last(&layers, |block| block.finish().map(ast::Finish::value));
     let step = number(step, limits::STEP, "the simulation step", Defaults::STEP, report);
-    let horizon = number(horizon, limits::HORIZON, "the horizon", Defaults::HORIZON, report);
     let finish = number(finish, limits::FINISH, "the finish line", Defaults::FINISH, report);
     let runs = runs::runs(&layers, &criteria, places, report);
     let criteria: Vec<Criterion> = criteria.into_iter().map(|(_, criterion)| criterion).collect();
@@ -191,6 +200,7 @@ pub fn scenario(
         draw::leave_out_unused(&mut draws, &blocks, &varied, &users, report);
         unused(&layers, &varied, &variations, &users, report);
     }
+    draws.extend(stream::draws(&vehicles));
     Some(Scenario {
         name: name.text().to_string(),
         doc,
@@ -446,6 +456,27 @@ fn refuse_upper(
         return None;
     }
     Some(found)
+}
+
+fn is_stream(layers: &[Layer<ast::VehicleBlock>]) -> bool {
+    layers.last().is_some_and(|layer| layer.block.is_of_stream())
+}
+
+fn declared<'v>(vehicles: &'v [(Span, Vehicle)], name: ast::Name) -> Option<&'v Vehicle> {
+    vehicles.iter().map(|(_, vehicle)| vehicle).find(|vehicle| vehicle.name == name.text())
+}
+
+/// What all vehicles are called, those of streams too.
+fn drivers(
+    groups: &[Group<ast::VehicleBlock>],
+    vehicles: &[(Span, Vehicle)],
+    horizon: Option<f64>,
+) -> Vec<String> {
+    let names = groups.iter().map(|(name, layers)| match is_stream(layers) {
+        true => stream::members(name.text(), declared(vehicles, *name), horizon),
+        false => vec![name.text().to_string()],
+    });
+    names.flatten().collect()
 }
 
 type Group<'a, B> = (ast::Name<'a>, Vec<Layer<'a, B>>);

@@ -5,6 +5,7 @@ use super::book::Book;
 use super::model::{self, Named, named};
 use super::places::TextPlaces;
 use super::same_as::{SameAs, same_as};
+use super::stream::{self, Repeated, write_arrivals};
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
 use crate::settings::{self, not_whole};
@@ -22,6 +23,7 @@ pub fn vehicle(
     name: ast::Name,
     layers: &[Layer<ast::VehicleBlock>],
     roads: (Option<&Road>, &[DeclaredOtherRoad]),
+    repeated: &Repeated,
     places: &TextPlaces,
     written: &mut Book,
     alike: &mut Vec<SameAs>,
@@ -31,7 +33,8 @@ pub fn vehicle(
         reject_repeats(*layer.block, report);
         exclude(layer.block.obeys().map(|said| *said), layer.block.ignores().map(|said| *said), report);
     }
-    let what = format!("vehicle `{}`", name.text());
+    let is_stream = layers.last().is_some_and(|layer| layer.block.is_of_stream());
+    let what = format!("{} `{}`", if is_stream { "stream" } else { "vehicle" }, name.text());
     let controller = match last(layers, |block| block.controller().map(ast::Named::Controller)) {
         Some(said) => named(said, &controllers(places), places, report)
             .filter(|found| is_visible(found, places, report)),
@@ -72,6 +75,8 @@ pub fn vehicle(
         None => Some(0),
     };
     let start = match last(layers, ast::VehicleBlock::start) {
+        _ if is_stream => stream::arrivals(name, layers, repeated, places, written, report)
+            .map(|stream| (DeclaredVehicleStart::Stream(stream), None)),
         Some(said) => start(said, (name, driven.as_ref().map(|(_, name)| name.as_deref())), report),
         None => Some((DeclaredVehicleStart::Automatic, None)),
     };
@@ -414,7 +419,8 @@ pub fn write_signals(obeys: Option<bool>, out: &mut BlockText) {
 /// The block that says it, whose values are all constants.
 pub fn write_vehicle(car: &Vehicle, out: &mut BlockText) {
     let length = |expression| constant(expression, Dimension::LENGTH);
-    out.open(&format!("vehicle {}", car.name));
+    let kind = if matches!(car.start, DeclaredVehicleStart::Stream(_)) { "stream" } else { "vehicle" };
+    out.open(&format!("{kind} {}", car.name));
     out.line(&format!("controller {}", model_text(&car.controller)));
     if let Some(chosen) = &car.dynamics {
         out.line(&format!("dynamics {}", model_text(chosen)));
@@ -441,6 +447,7 @@ pub fn write_vehicle(car: &Vehicle, out: &mut BlockText) {
         DeclaredVehicleStart::TimeToArrival(time) => {
             out.line(&format!("start {} before {origin}", constant(time, Dimension::TIME)));
         }
+        DeclaredVehicleStart::Stream(stream) => write_arrivals(stream, out),
     }
     match &car.follows {
         DeclaredFollowing::Centre => {}

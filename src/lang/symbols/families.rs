@@ -155,8 +155,8 @@ impl ScenarioFamilies {
         blocks.filter_map(|block| self.roads.get(block))
     }
 
-    /// Road users and boxes that scenarios mean by a name, and how many bytes of it are theirs: of a member of a group,
-    /// `walkers_2`, those of the group.
+    /// Road users and boxes that scenarios mean by a name, and how many bytes of it are theirs: of a member of a group or a
+    /// stream, `walkers_2`, those of the group.
     pub fn users(&self, scenarios: &[ScenarioIndex], name: &str) -> (Vec<DefinitionIndex>, usize) {
         let mut found: Vec<DefinitionIndex> = Vec::new();
         for scenario in scenarios {
@@ -219,7 +219,12 @@ const VARIATIONS: Table = |said| &said.variations;
 fn member(file: FileId, scenario: ast::Scenario, files: &Texts, classes: &mut Classes) -> Member {
     let mut member = Member::default();
     let (block, own) = (scenario.block(), &mut member.own);
-    block.vehicles().for_each(|one| add(&mut own.users, one.name(), SymbolKind::Vehicle, classes));
+    for one in block.vehicles() {
+        add(&mut own.users, one.name(), SymbolKind::Vehicle, classes);
+        if one.is_stream() {
+            add(&mut own.groups, one.name(), SymbolKind::Vehicle, classes);
+        }
+    }
     for one in block.pedestrians() {
         add(&mut own.users, one.name(), SymbolKind::Pedestrian, classes);
         if one.group().is_some() {

@@ -272,6 +272,7 @@ impl<'t> Resolver<'t> {
         } else if ast::TestedVehicle::cast(parent).is_some()
             || ast::AppearsWhen::cast(parent).is_some()
             || ast::Meets::cast(parent).is_some()
+            || ast::Repeats::cast(parent).is_some()
             || ast::Settings::cast(parent).is_some()
         {
             self.user(*name, place);

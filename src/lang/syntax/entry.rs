@@ -110,6 +110,7 @@ pub enum BlockKind {
     Controller,
     Scenario,
     Vehicle,
+    Stream,
     Pedestrian,
     Expect,
     Together,
@@ -139,13 +140,14 @@ pub struct BlockEntry {
 
 impl BlockKind {
     /// The file first.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 20] = [
         Self::File,
         Self::Road,
         Self::Path,
         Self::Controller,
         Self::Scenario,
         Self::Vehicle,
+        Self::Stream,
         Self::Pedestrian,
         Self::Expect,
         Self::Together,

@@ -15,6 +15,7 @@ fn around(kind: BlockKind, inside: &str) -> String {
         BlockKind::Controller => format!("controller own {{\n  {inside}\n}}\n"),
         BlockKind::Scenario => format!("scenario a {{\n  {inside}\n}}\n"),
         BlockKind::Vehicle => around(BlockKind::Scenario, &format!("vehicle av {{\n    {inside}\n  }}")),
+        BlockKind::Stream => around(BlockKind::Scenario, &format!("stream cars {{\n    {inside}\n  }}")),
         BlockKind::Pedestrian => {
             around(BlockKind::Scenario, &format!("pedestrian walker {{\n    {inside}\n  }}"))
         }
@@ -178,6 +179,7 @@ fn it_takes_values_from_outside_where_the_table_says_so() {
     for (block, statement, text) in examples().filter(|(_, statement, _)| statement.set.is_some()) {
         let prefix = match block.kind {
             BlockKind::Vehicle => "av.",
+            BlockKind::Stream => "cars.",
             BlockKind::Pedestrian => "walker.",
             _ => "",
         };
@@ -237,6 +239,18 @@ fn with(kind: BlockKind, said: &str) -> String {
         &["controller carla_behavior", "speed 30 km/h", "start 60 m before crossing"],
     );
     let car = format!("vehicle av {{ {car} }}");
+    // What repeats another stream needs that.
+    let (stream, other) = match said {
+        repeats if repeats.starts_with("repeats") => (
+            vec![],
+            "stream cars { speed 30 km/h; controller commotions; first 2 s before crossing; gaps 3 s, then 4 s }",
+        ),
+        _ => (
+            vec!["speed 30 km/h", "controller commotions", "first 2 s before crossing", "gaps 3 s, then 4 s"],
+            "",
+        ),
+    };
+    let stream = format!("stream traffic {{ {} }}", block(BlockKind::Stream, &stream));
     // What is said of somebody who walks along a lane is not said alone.
     let person: &[&str] = match said {
         along if along.starts_with("meets") && along.contains(" after ") => {
@@ -249,7 +263,7 @@ fn with(kind: BlockKind, said: &str) -> String {
     };
     let person = block(BlockKind::Pedestrian, person);
     let person = format!("pedestrian walker {{ {person} }}");
-    let scenario = block(BlockKind::Scenario, &[&road, &car, &person, "repeat 2"]);
+    let scenario = block(BlockKind::Scenario, &[&road, &car, other, &stream, &person, "repeat 2"]);
     let street = "road NAME { lanes 1; lane_width 3 m; speed_limit 30 km/h; crossing zebra }\n";
     format!("{street}scenario a {{ {scenario} }}\n")
 }
@@ -312,10 +326,15 @@ fn it_is_written_so_that_it_is_read_back() {
     /// What is put in before a scenario is written, or stands in it as a text of its own.
     const PUT_IN: [&str; 6] = ["let", "vary", "vary together", "draw", "draw together from", "expect"];
     let plain = meaning(&with(BlockKind::Scenario, "repeat 2")).1;
-    for kind in [BlockKind::Road, BlockKind::Scenario, BlockKind::Vehicle, BlockKind::Pedestrian] {
+    for kind in
+        [BlockKind::Road, BlockKind::Scenario, BlockKind::Vehicle, BlockKind::Stream, BlockKind::Pedestrian]
+    {
         let statements = kind.block().statements.iter();
         for statement in statements.filter(|one| !PUT_IN.contains(&one.words)) {
-            for usage in statement.usages().filter(|usage| !usage.contains('…')) {
+            // Gaps that are drawn or in a file are put in, too.
+            let is_written =
+                |usage: &&str| !usage.contains('…') && !usage.contains("from \"") && !usage.contains("drawn");
+            for usage in statement.usages().filter(is_written) {
                 let (scenario, said) = meaning(&with(kind, &unusual(usage)));
                 assert_ne!(said, plain, "`{usage}` changes nothing");
                 let written = write_scenario(&scenario, &[], &[], std::path::Path::new(""));

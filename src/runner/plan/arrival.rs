@@ -73,8 +73,7 @@ fn first_past(scenario: &Scenario, world: &World) -> Option<PastArrival> {
 /// Whether a pedestrian waits to go for a time to arrival, or to appear for that of a vehicle whose start is said.
 fn may_be_past(scenario: &Scenario) -> bool {
     let says_start = |name: &String| {
-        let mut vehicles = scenario.vehicles.iter().filter(|car| car.name == *name);
-        vehicles.any(|car| !matches!(car.start, DeclaredVehicleStart::Automatic))
+        scenario.vehicle(name).is_some_and(|car| !matches!(car.start, DeclaredVehicleStart::Automatic))
     };
     scenario.pedestrians.iter().any(|person| {
         let waits_to_appear = match &person.appears {

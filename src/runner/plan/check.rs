@@ -35,8 +35,8 @@ pub fn check_numbers(scenario: &Scenario, world: &World) -> Result<(), PlanError
     checker.within(&["horizon"], || "the horizon".into(), world.horizon, limits::HORIZON, own)?;
     checker.within(&["finish"], || "the finish line".into(), world.finish, limits::FINISH, own)?;
     checker.road(world)?;
-    for (index, vehicle) in world.vehicles.iter().enumerate() {
-        checker.vehicle(index, vehicle, world)?;
+    for vehicle in &world.vehicles {
+        checker.vehicle(vehicle, world)?;
     }
     for (index, person) in world.pedestrians.iter().enumerate() {
         checker.pedestrian(index, person, world)?;
@@ -210,8 +210,9 @@ impl<'a> Checker<'a> {
             .with_hint("check what it is calculated from"))
     }
 
-    fn vehicle(&self, index: usize, setup: &VehicleSetup, world: &World) -> Result<(), PlanError> {
-        let declared = &self.scenario.vehicles[index];
+    fn vehicle(&self, setup: &VehicleSetup, world: &World) -> Result<(), PlanError> {
+        let declared = self.scenario.vehicle(&setup.name);
+        let declared = declared.expect("a world has the vehicles of its scenario");
         let (name, own) = (&setup.name, &declared.origin);
         let of = |what: &str| format!("the {what} of vehicle `{name}`");
         let within =

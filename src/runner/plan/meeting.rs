@@ -13,6 +13,7 @@ use sim::{Longitudinal, VehicleState, hit_along, hit_at, walking_time};
 use super::check::{check_number, check_numbers, check_share};
 use super::error::PlanError;
 use super::places::course_beside;
+use super::streams::no_vehicle;
 use super::variables::{Variables, number};
 
 /// Leaves room for rounding in places, m.
@@ -37,9 +38,8 @@ pub(super) fn meet(scenario: &Scenario, variables: &Variables, world: &mut World
         // What is no number, or too large, is told before anybody walks with it.
         check_numbers(scenario, world)?;
         let said = said(scenario, declared);
-        let car = scenario.vehicles.iter().position(|car| car.name == *vehicle);
-        let car =
-            car.ok_or_else(|| PlanError::new(&said, format!("there is no vehicle called `{vehicle}`")))?;
+        let car = world.vehicles.iter().position(|car| car.name == *vehicle);
+        let car = car.ok_or_else(|| no_vehicle(vehicle, &said))?;
         let share = number(share, variables, &said)?;
         check_share(scenario, declared, share, &said)?;
         let Some(after) = after else {
@@ -228,7 +228,7 @@ fn in_time(
     let latest = place - time * car.placing_speed() - car.length / 2.0;
     let starts = match car.start {
         // As far out as they need it.
-        _ if scenario.vehicles[vehicle].start == DeclaredVehicleStart::Automatic => latest,
+        _ if is_automatic(scenario, other) => latest,
         VehicleStart::Distance(distance) => -distance,
         VehicleStart::TimeToArrival { time, reference, x } => {
             path.at_line(x) - time * car.placing_speed() - reference.ahead_of_centre(car.length)
@@ -240,6 +240,11 @@ fn in_time(
         return Err(PlanError::new(said, message).with_hint(hint));
     }
     Ok(Appearance::Meeting { vehicle, time, place })
+}
+
+/// Whether the vehicle starts where people need it.
+fn is_automatic(scenario: &Scenario, vehicle: &str) -> bool {
+    scenario.vehicle(vehicle).is_some_and(|car| car.start == DeclaredVehicleStart::Automatic)
 }
 
 fn meeting(

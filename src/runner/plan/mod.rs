@@ -15,6 +15,7 @@ mod sample;
 mod sampling;
 mod setup;
 mod standalone;
+mod streams;
 mod too_near;
 mod unobserved;
 mod variables;

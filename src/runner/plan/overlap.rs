@@ -1,7 +1,7 @@
 //! Nobody starts inside another body.
 
 use super::error::PlanError;
-use scenario::{Scenario, World};
+use scenario::{DeclaredVehicleStart, Scenario, World};
 use sim::{self, Solid};
 
 /// # Errors
@@ -20,7 +20,14 @@ pub fn refuse_overlaps(scenario: &Scenario, world: &World) -> Result<(), PlanErr
     };
     let (origin, hint) = match who {
         Solid::Vehicle(index) => {
-            (&scenario.vehicles[index].origin, "`lane` and `start … before crossing` say where it starts")
+            let declared = scenario.vehicle(&world.vehicles[index].name);
+            let origin = declared.map_or(&scenario.origin, |declared| &declared.origin);
+            match declared.map(|declared| &declared.start) {
+                Some(DeclaredVehicleStart::Stream(_)) => {
+                    (origin, "`lane` and `first` say where its stream starts")
+                }
+                _ => (origin, "`lane` and `start … before crossing` say where it starts"),
+            }
         }
         Solid::Pedestrian(index) => (
             &scenario.pedestrians[index].origin,

@@ -7,6 +7,7 @@ use super::error::PlanError;
 use super::junctions::{check_people, other_roads};
 use super::meeting::meet;
 use super::places::{crossing_used, road, stops, way};
+use super::streams::{Streams, no_vehicle, streams, vehicles};
 use super::variables::{Variables, number};
 use scenario::{
     AT_THE_CROSSING, Appearance, ControllerModel, Declaration, DeclaredAppearance, DeclaredFollowing,
@@ -31,22 +32,21 @@ pub fn unchecked(
 ) -> Result<World, PlanError> {
     let road = road(scenario, variables)?;
     let other_roads = other_roads(scenario, &road, variables)?;
+    let Streams { driven, streams } = streams(scenario, variables)?;
+    let names: Vec<&str> = driven.iter().map(|driven| driven.name.as_str()).collect();
     let pedestrians = scenario
         .pedestrians
         .iter()
-        .map(|declared| pedestrian_setup(scenario, &road, declared, variables, people))
+        .map(|declared| pedestrian_setup((scenario, &names), &road, declared, variables, people))
         .collect::<Result<Vec<_>, _>>()?;
-    let vehicles = scenario
-        .vehicles
-        .iter()
-        .map(|declared| vehicle_setup(scenario, (&road, &pedestrians), declared, variables))
-        .collect::<Result<Vec<_>, _>>()?;
+    let setup = |declared: &Vehicle| vehicle_setup(scenario, (&road, &pedestrians), declared, variables);
+    let vehicles = vehicles(scenario, &driven, setup)?;
     let mut world = World {
         road,
         other_roads,
         vehicles,
         pedestrians,
-        streams: Vec::new(),
+        streams,
         step: scenario.step,
         horizon: scenario.horizon,
         finish: scenario.finish,
@@ -54,7 +54,8 @@ pub fn unchecked(
     };
     check_people(scenario, &world)?;
     meet(scenario, variables, &mut world)?;
-    for (index, declared) in scenario.vehicles.iter().enumerate() {
+    for (index, driven) in driven.iter().enumerate() {
+        let declared = &scenario.vehicles[driven.declared];
         if matches!(declared.start, DeclaredVehicleStart::Automatic) {
             world.vehicles[index].start = automatic_start(index, &world).ok_or_else(|| {
                 let message = format!("nothing says where vehicle `{}` starts", declared.name);
@@ -115,8 +116,8 @@ fn vehicle_setup(
         DeclaredVehicleStart::TimeToArrival(time) => {
             VehicleStart::TimeToArrival { time: number(time)?, reference: VehicleReference::Centre, x: 0.0 }
         }
-        // Known once it is known when pedestrians appear.
-        DeclaredVehicleStart::Automatic => VehicleStart::Distance(0.0),
+        // Known once it is known when pedestrians appear, and of a stream which of its vehicles it is.
+        DeclaredVehicleStart::Automatic | DeclaredVehicleStart::Stream(_) => VehicleStart::Distance(0.0),
     };
     let sees = match &declared.sees {
         Some(model) => {
@@ -216,7 +217,7 @@ fn automatic_start(index: usize, world: &World) -> Option<VehicleStart> {
 }
 
 fn pedestrian_setup(
-    scenario: &Scenario,
+    (scenario, vehicles): (&Scenario, &[&str]),
     road: &Road,
     declared: &DeclaredPedestrian,
     variables: &Variables,
@@ -235,13 +236,13 @@ fn pedestrian_setup(
     let appears = match &declared.appears {
         DeclaredAppearance::At(time) => Appearance::At(number(time)?),
         DeclaredAppearance::TimeToArrival { vehicle, reference, time } => {
-            let vehicle = vehicle_named(scenario, vehicle, &declared.origin)?;
+            let vehicle = vehicle_named(vehicles, vehicle, &declared.origin)?;
             Appearance::TimeToArrival { vehicle, reference: *reference, time: number(time)? }
         }
         // Known once the vehicle is.
         DeclaredAppearance::Meets { .. } => Appearance::At(0.0),
     };
-    let may_go = may_go(scenario, declared, variables)?;
+    let may_go = may_go(vehicles, declared, variables)?;
     let mut given = evaluate(&declared.model, variables)?;
     if let Some(person) = people.iter().find(|person| person.pedestrian == declared.name) {
         // What the scenario says wins over the individual.
@@ -304,14 +305,14 @@ fn pedestrian_setup(
     Ok(setup)
 }
 
-fn vehicle_named(scenario: &Scenario, name: &str, origin: &Origin) -> Result<usize, PlanError> {
-    let found = scenario.vehicles.iter().position(|car| car.name == name);
-    found.ok_or_else(|| PlanError::new(origin, format!("there is no vehicle called `{name}`")))
+/// The index of a vehicle among those of the world, which have these names.
+fn vehicle_named(vehicles: &[&str], name: &str, origin: &Origin) -> Result<usize, PlanError> {
+    vehicles.iter().position(|known| *known == name).ok_or_else(|| no_vehicle(name, origin))
 }
 
 /// When a pedestrian may go.
 fn may_go(
-    scenario: &Scenario,
+    vehicles: &[&str],
     declared: &DeclaredPedestrian,
     variables: &Variables,
 ) -> Result<MayGo, PlanError> {
@@ -323,7 +324,7 @@ fn may_go(
             time => MayGo::After(time),
         },
         DeclaredMayGo::TimeToArrival { vehicle, reference, time, or_after } => MayGo::TimeToArrival {
-            vehicle: vehicle_named(scenario, vehicle, &declared.origin)?,
+            vehicle: vehicle_named(vehicles, vehicle, &declared.origin)?,
             reference: *reference,
             time: number(time)?,
             or_after: number(or_after)?,

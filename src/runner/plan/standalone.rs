@@ -3,7 +3,8 @@
 use super::error::PlanError;
 use super::variables::{Variables, variables};
 use scenario::{
-    Assignment, DeclaredPedestrian, Expression, Individual, Model, Origin, Scenario, Settings, Vehicle,
+    Assignment, DeclaredPedestrian, DeclaredVehicleStart, Expression, Individual, Model, Origin, Scenario,
+    Settings, Vehicle,
 };
 
 /// `scenario` without variations, individuals and repetitions: its only run has the case's values, its people's
@@ -43,6 +44,10 @@ pub fn standalone(
             .try_for_each(|(value, origin)| fix(value, &variables, origin))?;
     }
     for car in &mut own.vehicles {
+        if let DeclaredVehicleStart::Stream(stream) = &mut car.start {
+            let listed = stream.with_drawn_gaps(&variables, scenario.horizon);
+            *stream = listed.map_err(|error| PlanError::new(&car.origin, error.to_string()))?;
+        }
         fix_vehicle(car, &variables)?;
     }
     for person in &mut own.pedestrians {

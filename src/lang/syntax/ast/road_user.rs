@@ -1,15 +1,18 @@
 //! Vehicles and pedestrians.
 
 use super::super::entry::{BlockEntry, BlockKind, StatementEntry, YamlShape, statement};
-use super::{Expression, Integer, Name, Settings, Text};
+use super::{Distribution, Expression, Integer, Name, Settings, Text};
 #[cfg(test)]
 use super::{Holds, Made};
 use super::{Node, Rule, View};
 
 views! {
-    /// `vehicle NAME { … }`
-    Vehicle = vehicle { name: Name, block: VehicleBlock }
-    VehicleBlock = vehicle_block {
+    /// `vehicle NAME { … }`, or of vehicles that come one after the other `stream NAME { … }`
+    Vehicle = vehicle | stream { is_stream: {kw_stream}, name: Name, block: VehicleBlock }
+    VehicleBlock = vehicle_block | stream_block {
+        repeats: (Repeats),
+        first: (FirstArrival),
+        gaps: (Gaps),
         controller: (Controller),
         dynamics: (Dynamics),
         sees: (Sees),
@@ -24,6 +27,16 @@ views! {
         ignores: (Ignores),
         ignores_vehicles: (IgnoresVehicles),
     }
+    /// `repeats cars` or `repeats cars, 1.5 s later`
+    Repeats = repeats { name: Name, later: (Later) }
+    Later = later { time: Expression }
+    /// `first 2 s before crossing`
+    FirstArrival = first_arrival { time: Expression }
+    /// `gaps 3 s, 3 s, 4 s, then 2.5 s`, `gaps from "gaps.csv"` or `gaps drawn from uniform(2 s, 8 s)`
+    Gaps = gaps { file: (Text), listed: [Gap], then: (GapsThen), drawn: (GapsDrawn) }
+    Gap = gap { time: Expression }
+    GapsThen = gaps_then { drawn: (GapsDrawn), time: (Expression) }
+    GapsDrawn = gaps_drawn { file: (Text), distribution: (Distribution) }
     Controller = controller { name: Name, settings: (Settings) }
     Dynamics = dynamics { name: Name, settings: (Settings) }
     Sees = sees { settings: Settings }
@@ -133,6 +146,13 @@ choices! {
     SignalRule = Obeys | Ignores;
 }
 
+impl VehicleBlock<'_> {
+    /// Whether it is that of a stream.
+    pub fn is_of_stream(self) -> bool {
+        self.rule() == Rule::stream_block
+    }
+}
+
 impl SignalRule<'_> {
     pub fn is_obeyed(self) -> bool {
         matches!(self, Self::Obeys(_))
@@ -180,51 +200,78 @@ const IGNORES: StatementEntry =
     statement("ignores", Rule::ignores, "ignores signals", "Goes though a signal shows red.")
         .key("ignores", YamlShape::Words);
 
+const CONTROLLER: StatementEntry = statement(
+    "controller",
+    Rule::controller,
+    "controller carla_behavior { profile: normal }",
+    "What drives it, with settings.",
+)
+.key("controller", YamlShape::Model)
+.needed("controller", "controller carla_behavior")
+.set_where_said();
+
+const DYNAMICS: StatementEntry =
+    statement("dynamics", Rule::dynamics, "dynamics prius", "How it answers to the controller's commands.")
+        .key("dynamics", YamlShape::Model)
+        .set_where_said();
+
+const SEES: StatementEntry = statement(
+    "sees",
+    Rule::sees,
+    "sees { range: 60 m }",
+    "What its controller perceives; without it, everything.",
+)
+.key("sees", YamlShape::Settings);
+
+const SPEED: StatementEntry = statement(
+    "speed",
+    Rule::speed,
+    "speed 30 km/h` or `speed 36 km/h from 0 km/h",
+    "The steady cruise, in which it starts unless another speed is said.",
+)
+.key("speed", YamlShape::Words)
+.needed("speed", "speed 30 km/h")
+.set("speed ", "");
+
+const LANE: StatementEntry = statement("lane", Rule::lane, "lane 0", "Its lane, counted from the near side.")
+    .key("lane", YamlShape::Words)
+    .set("lane ", "");
+
+const FOLLOWS: StatementEntry = statement(
+    "follows",
+    Rule::follows,
+    "follows by rear axle` or `follows by rear axle 1.349 m behind centre",
+    "Which point of it follows the lane, whose direction it has; its centre if not said, and an axle 0.3 of its length behind that.",
+)
+.key("follows", YamlShape::Words);
+
+const IGNORES_VEHICLES: StatementEntry = statement(
+    "ignores vehicles",
+    Rule::ignores_vehicles,
+    "ignores vehicles",
+    "Says that its controller is meant to look at no vehicles that it is blind to, so that `check` does not warn of it; changes no run.",
+)
+.key("ignores_vehicles", YamlShape::Flag);
+
 pub static VEHICLE: BlockEntry = BlockEntry {
     kind: BlockKind::Vehicle,
     rule: Rule::vehicle_block,
     name: "a `vehicle`",
     heads: &[],
     statements: &[
-        statement(
-            "controller",
-            Rule::controller,
-            "controller carla_behavior { profile: normal }",
-            "What drives it, with settings.",
-        )
-        .key("controller", YamlShape::Model)
-        .needed("controller", "controller carla_behavior")
-        .set_where_said(),
-        statement(
-            "dynamics",
-            Rule::dynamics,
-            "dynamics prius",
-            "How it answers to the controller's commands.",
-        )
-        .key("dynamics", YamlShape::Model)
-        .set_where_said(),
-        statement(
-            "sees",
-            Rule::sees,
-            "sees { range: 60 m }",
-            "What its controller perceives; without it, everything.",
-        )
-        .key("sees", YamlShape::Settings),
+        CONTROLLER,
+        DYNAMICS,
+        SEES,
         SIZE.set("size ", ""),
+        SPEED,
         statement(
-            "speed",
-            Rule::speed,
-            "speed 30 km/h` or `speed 36 km/h from 0 km/h",
-            "The steady cruise, in which it starts unless another speed is said.",
+            "on",
+            Rule::on_road,
+            "on side",
+            "The road that it drives on, which lies over the scenario's; without it, that one.",
         )
-            .key("speed", YamlShape::Words)
-            .needed("speed", "speed 30 km/h")
-            .set("speed ", ""),
-        statement("on", Rule::on_road, "on side", "The road that it drives on, which lies over the scenario's; without it, that one.")
-            .key("on", YamlShape::Words),
-        statement("lane", Rule::lane, "lane 0", "Its lane, counted from the near side.")
-            .key("lane", YamlShape::Words)
-            .set("lane ", ""),
+        .key("on", YamlShape::Words),
+        LANE,
         statement(
             "start",
             Rule::vehicle_start,
@@ -233,22 +280,53 @@ pub static VEHICLE: BlockEntry = BlockEntry {
         )
         .key("start", YamlShape::Words)
         .set("start ", " before crossing"),
-        statement(
-            "follows",
-            Rule::follows,
-            "follows by rear axle` or `follows by rear axle 1.349 m behind centre",
-            "Which point of it follows the lane, whose direction it has; its centre if not said, and an axle 0.3 of its length behind that.",
-        )
-        .key("follows", YamlShape::Words),
+        FOLLOWS,
         OBEYS,
         IGNORES,
+        IGNORES_VEHICLES,
+    ],
+};
+
+pub static STREAM: BlockEntry = BlockEntry {
+    kind: BlockKind::Stream,
+    rule: Rule::stream_block,
+    name: "a `stream`",
+    heads: &[],
+    statements: &[
         statement(
-            "ignores vehicles",
-            Rule::ignores_vehicles,
-            "ignores vehicles",
-            "Says that its controller is meant to look at no vehicles that it is blind to, so that `check` does not warn of it; changes no run.",
+            "repeats",
+            Rule::repeats,
+            "repeats cars` or `repeats cars, 1.5 s later",
+            "It is as another stream in all that it does not say itself, and comes so much later.",
         )
-        .key("ignores_vehicles", YamlShape::Flag),
+        .key("repeats", YamlShape::Words),
+        CONTROLLER,
+        DYNAMICS,
+        SEES,
+        SIZE.set("size ", ""),
+        SPEED,
+        LANE,
+        statement(
+            "first",
+            Rule::first_arrival,
+            "first 2 s before crossing",
+            "How far its first vehicle is from the middle of the crossing at the start.",
+        )
+        .key("first", YamlShape::Words)
+        .needed("first vehicle", "first 2 s before crossing")
+        .set("first ", " before crossing"),
+        statement(
+            "gaps",
+            Rule::gaps,
+            "gaps 3 s, 3 s, 4 s, then 2.5 s`, `gaps 2 s, 2 s, then drawn from choice(2.5 s, 3.5 s, 4.5 s)`, `gaps drawn from \"gaps.csv\"` or `gaps from \"gaps.csv\"",
+            "The times from front to front of vehicles that follow each other; after `then` until the horizon, drawn anew in every run or all alike, else the stream ends. Of a CSV, its column `gap`: `from` takes its rows in order, `drawn from` any of them.",
+        )
+        .key("gaps", YamlShape::Words)
+        .needed("gaps", "gaps 3 s, 3 s, then 4 s"),
+        FOLLOWS,
+        OBEYS,
+        IGNORES,
+        IGNORES_VEHICLES,
     ],
 };
 

@@ -18,6 +18,7 @@ impl BlockKind {
             Self::Controller => &ast::CONTROLLER,
             Self::Scenario => &ast::SCENARIO_BLOCK,
             Self::Vehicle => &ast::VEHICLE,
+            Self::Stream => &ast::STREAM,
             Self::Pedestrian => &ast::PEDESTRIAN,
             Self::Expect => &ast::EXPECT_BLOCK,
             Self::Together => &ast::TOGETHER,

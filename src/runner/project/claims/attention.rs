@@ -3,7 +3,9 @@
 use super::budget::{add_once, at};
 use crate::plan;
 use lang::{Code, Diagnostic, Sources};
-use scenario::{Attention, ControllerModel, LooksAt, Origin, Scenario, SignalConduct, Suite, World};
+use scenario::{
+    Attention, ControllerModel, DeclaredVehicleStart, LooksAt, Origin, Scenario, SignalConduct, Suite, World,
+};
 use sim::{path_conflicts, vehicles_ahead};
 
 /// A warning for every scenario in which a controller does not look at something that is in its way, and one for all scenarios with vehicles
@@ -68,7 +70,8 @@ fn is_concerned(scenario: &Scenario) -> bool {
         let all = [&car.controller.first].into_iter().chain(&car.controller.varied);
         all.filter_map(|reference| reference.entry())
     });
-    scenario.vehicles.len() > 1 || entries.into_iter().any(|entry| on_foot(entry))
+    let has_stream = scenario.vehicles.iter().any(|car| matches!(car.start, DeclaredVehicleStart::Stream(_)));
+    has_stream || scenario.vehicles.len() > 1 || entries.into_iter().any(|entry| on_foot(entry))
 }
 
 /// What controllers do not look at in a scenario's trials, each thing once.
@@ -90,22 +93,27 @@ fn of_world(scenario: &Scenario, world: &World) -> Vec<Unseen> {
     for (index, car) in world.vehicles.iter().enumerate() {
         let Some(entry) = car.controller.model.entry() else { continue };
         let Some(looks) = entry.attention.with(&car.controller.settings) else { continue };
-        let declared = &scenario.vehicles[index];
+        let Some(declared) = scenario.vehicle(&car.name) else { continue };
         let mut add = |(is_vehicle, is_of_other_road): (bool, bool), what: String| {
             if !(is_vehicle && declared.ignores_vehicles) {
                 found.push(Unseen {
-                    words: format!("`{}` of `{}` {what}", entry.declaration.name, car.name),
+                    words: format!("`{}` of `{}` {what}", entry.declaration.name, declared.name),
                     is_of_other_road,
                     is_vehicle,
-                    vehicle: car.name.clone(),
+                    vehicle: declared.name.clone(),
                     origin: declared.controller.origin.clone(),
                 });
             }
         };
         for other in unseen_vehicles(world, index, looks) {
-            let (name, is_other) = (&world.vehicles[other].name, world.vehicles[other].road != car.road);
+            let (other, is_other) = (&world.vehicles[other], world.vehicles[other].road != car.road);
             let place = if is_other { "on a road that crosses its own" } else { "ahead in its lane" };
-            add((true, is_other), format!("does not look at `{name}`, {place}"));
+            match scenario.vehicle(&other.name).filter(|other| other.name != declared.name) {
+                Some(other) => add((true, is_other), format!("does not look at `{}`, {place}", other.name)),
+                None => {
+                    add((true, is_other), format!("does not look at the vehicles of its stream, {place}"))
+                }
+            }
         }
         if car.road != 0 {
             continue;

@@ -20,19 +20,21 @@ pub fn examine_lanes(suite: &Suite, sources: &Sources) -> Vec<Diagnostic> {
 
 fn of_scenario(suite: &Suite, scenario: &Scenario, sources: &Sources) -> Vec<Diagnostic> {
     let Ok(trials) = plan::probe_scenario(suite, scenario) else { return Vec::new() };
-    let mut known: Vec<(usize, usize)> = Vec::new();
+    let mut known: Vec<(String, usize)> = Vec::new();
     let mut found = Vec::new();
     for case in trials.iter().flat_map(|trial| trial.cases.iter()) {
         for (vehicle, index, way) in blocked_lanes(&case.world) {
-            let (car, body) = (&scenario.vehicles[vehicle], Solid::Box(index).name(&case.world));
+            let driven = &case.world.vehicles[vehicle].name;
+            let Some(car) = scenario.vehicle(driven) else { continue };
+            let body = Solid::Box(index).name(&case.world);
             let named = scenario.criteria.iter().any(|criterion| {
                 let pair = criterion.claim.metric().pair.as_ref();
-                pair.is_some_and(|(who, with)| *who == car.name && with == body)
+                pair.is_some_and(|(who, with)| (*who == car.name || who == driven) && with == body)
             });
-            if named || known.contains(&(vehicle, index)) {
+            if named || known.contains(&(car.name.clone(), index)) {
                 continue;
             }
-            known.push((vehicle, index));
+            known.push((car.name.clone(), index));
             let span = sources.span(&scenario.origin).unwrap_or_else(|| {
                 let (first, _) = sources.iter().next().expect("a suite was read from somewhere");
                 Span::beginning(first)
