@@ -87,7 +87,8 @@ pub fn scenario(
         };
     let mut vehicles: Vec<(Span, Vehicle)> = Vec::new();
     let mut alike = Vec::new();
-    for (name, layers) in &vehicle_groups {
+    let are_whole = vehicle_groups.iter().filter(|group| !stream::lacks_repeated(group, &repeated));
+    for (name, layers) in are_whole {
         let roads = (road.as_ref(), elsewhere.as_slice());
         let found = vehicle(*name, layers, roads, &repeated, places, &mut written, &mut alike, report);
         vehicles.extend(found.map(|vehicle| (name.span(), vehicle)));

@@ -66,6 +66,11 @@ pub fn repeat<'a>(groups: &mut [Group<'a>], report: &mut Vec<Diagnostic>) -> Rep
     repeated
 }
 
+/// Whether a stream repeats another that there is not, so that nothing is known of it.
+pub fn lacks_repeated((name, layers): &Group, repeated: &Repeated) -> bool {
+    last(layers, ast::VehicleBlock::repeats).is_some() && !repeated.contains_key(name.text())
+}
+
 /// One name is that of a vehicle or that of a stream.
 fn reject_mixed(groups: &[Group], report: &mut Vec<Diagnostic>) {
     for (name, layers) in groups {
