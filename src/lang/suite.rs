@@ -316,6 +316,7 @@ fn everybody<'a>(scenarios: &'a [Scenario], registry: &'a Registry) -> check::Ca
             .map(|person| person.name.as_str())
             .collect(),
         groups: check::groups(scenarios.iter().flat_map(|s| &s.pedestrians)),
+        streams: Vec::new(),
         boxes: scenarios.iter().flat_map(|s| &s.road.boxes).map(|body| body.name.as_str()).collect(),
         individuals: None,
         are_drawn: false,

@@ -93,6 +93,7 @@ pub fn scenario(
         groups: Membership::groups(
             everybody.iter().flat_map(|(_, who)| who).map(|one| (one.name.as_str(), one.group.as_ref())),
         ),
+        streams: Vec::new(),
         boxes: road.iter().flat_map(|road| &road.boxes).map(|body| body.name.as_str()).collect(),
         individuals: None,
         are_drawn: false,

@@ -147,6 +147,7 @@ impl StatementSubject<'_> {
             vehicles: self.scenario.vehicles.iter().map(|vehicle| vehicle.name.as_str()).collect(),
             pedestrians: self.scenario.pedestrians.iter().map(|person| person.name.as_str()).collect(),
             groups: groups(&self.scenario.pedestrians),
+            streams: Vec::new(),
             boxes: self.scenario.road.boxes.iter().map(|body| body.name.as_str()).collect(),
             individuals: None,
             are_drawn: false,

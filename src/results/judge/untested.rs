@@ -8,7 +8,7 @@ use crate::{
     Verdict,
 };
 use scenario::{
-    Aggregate, Claim, Comparison, Criterion, Expression, MetricReference, Scope, Stake, constant,
+    Aggregate, Claim, Comparison, Criterion, Expression, MetricReference, Scope, Stake, Stream, constant,
 };
 use sim::measure::{Closeness, MEETING_TIME, Presence};
 
@@ -156,7 +156,8 @@ impl<'a> AtStake<'a> {
             Needs::Nothing => None,
             Needs::Motion(vehicles) => {
                 let moved = any(&|outcome| has_moved(vehicles, outcome));
-                (!moved).then(|| Untested::NoMotion { vehicle: only(vehicles) })
+                let vehicle = || self.reference.stream().map(Arc::from).or_else(|| only(vehicles));
+                (!moved).then(|| Untested::NoMotion { vehicle: vehicle() })
             }
             Needs::Value => (!any(&|outcome| self.has_value(outcome))).then_some(Untested::NoValue),
             Needs::Pairs(pairs) => {
@@ -212,7 +213,8 @@ impl<'a> AtStake<'a> {
             pair.vehicles.iter().filter_map(|vehicle| outcome.presence(vehicle, &pair.other))
         });
         let closest = presences.map(|presence| presence.closest).max().unwrap_or_default();
-        UntestedPair { vehicle: only(&pair.vehicles), other: pair.other.clone(), closest }
+        let vehicle = self.reference.stream().map(Arc::from).or_else(|| only(&pair.vehicles));
+        UntestedPair { vehicle, other: pair.other.clone(), closest }
     }
 }
 
@@ -232,7 +234,7 @@ fn needs(reference: &MetricReference, outcomes: &[&Outcome]) -> Needs {
         }
     }
     let named = reference.pair.as_ref().map(|(vehicle, _)| vehicle.as_str());
-    let covered = || vehicles.iter().filter(|name| named.is_none_or(|one| *one == ***name)).cloned();
+    let covered = || vehicles.iter().filter(|name| reference.is_of_vehicle(name)).cloned();
     let of_each = |vehicles: Vec<Arc<str>>| {
         let meant = people.iter().filter(|name| reference.is_of(name));
         meant.map(|name| Pair { vehicles: vehicles.clone(), other: name.clone() }).collect()
@@ -243,6 +245,10 @@ fn needs(reference: &MetricReference, outcomes: &[&Outcome]) -> Needs {
         Scope::Vehicle if people.is_empty() => Needs::Nothing,
         Scope::Vehicle => Needs::Motion(covered().collect()),
         Scope::Pedestrian => Needs::Pairs(of_each(vehicles)),
+        // Of streams that it does not name, those of which vehicles have a number.
+        Scope::Stream => {
+            Needs::Pairs(of_each(covered().filter(|name| Stream::of_member(name).is_some()).collect()))
+        }
         Scope::Pair | Scope::Contact | Scope::Vehicles => match pairs().find(of_vehicles) {
             Some(pair) => {
                 Needs::Pairs(vec![Pair { vehicles: vec![pair.vehicle.clone()], other: pair.other.clone() }])
@@ -275,9 +281,8 @@ fn has_moved(vehicles: &[Arc<str>], outcome: &Outcome) -> bool {
 
 /// Whether the vehicle passed the pedestrian in a run, and a claim about the pair says which of them goes first.
 fn is_excused(pair: &Pair, outcome: &Outcome, orders: &[&MetricReference]) -> bool {
-    let is_about = |order: &&&MetricReference, vehicle: &str| {
-        order.pair.as_ref().is_none_or(|(named, _)| named == vehicle) && order.is_of(&pair.other)
-    };
+    let is_about =
+        |order: &&&MetricReference, vehicle: &str| order.is_of_vehicle(vehicle) && order.is_of(&pair.other);
     pair.vehicles.iter().any(|vehicle| {
         let passed = outcome.presence(vehicle, &pair.other).is_some_and(|presence| presence.passed);
         passed && orders.iter().any(|order| is_about(&order, vehicle))
@@ -297,7 +302,12 @@ fn named_instead(why: Untested, stake: &AtStake, criterion: &Criterion) -> Untes
             let alone = Pair { vehicles: vec![(*vehicle).clone()], other: pair.other.clone() };
             stake.outcomes.iter().any(|outcome| stake.is_tested(&alone, outcome))
         })?;
-        Some((vehicle.to_string(), pair.other.to_string()))
+        // What is said of a stream stays said of it.
+        let stream = match stake.reference.known().map(|metric| metric.scope) {
+            Some(Scope::Stream) => Stream::of_member(vehicle),
+            _ => stake.reference.stream(),
+        };
+        Some((stream.unwrap_or(vehicle).to_string(), pair.other.to_string()))
     };
     let tested = all.iter().filter(|pair| !is_open(pair)).find_map(find);
     let instead = tested.map(|pair| {
@@ -356,6 +366,7 @@ mod tests {
             presences: pairs.iter().map(presence).collect(),
             waiting_steps: Vec::new(),
             left_road: Vec::new(),
+            outlasted: Vec::new(),
             cut_off: Default::default(),
             fingerprint: 0,
             wall_time: Duration::ZERO,

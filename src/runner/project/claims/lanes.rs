@@ -24,10 +24,11 @@ fn of_scenario(suite: &Suite, scenario: &Scenario, sources: &Sources) -> Vec<Dia
     let mut found = Vec::new();
     for case in trials.iter().flat_map(|trial| trial.cases.iter()) {
         for (vehicle, index, way) in blocked_lanes(&case.world) {
-            let (car, body) = (&scenario.vehicles[vehicle], Solid::Box(index).name(&case.world));
+            let (car, body) = (&case.world.vehicles[vehicle], Solid::Box(index).name(&case.world));
             let named = scenario.criteria.iter().any(|criterion| {
-                let pair = criterion.claim.metric().pair.as_ref();
-                pair.is_some_and(|(who, with)| *who == car.name && with == body)
+                let metric = criterion.claim.metric();
+                let with = metric.pair.as_ref().map(|(_, with)| with);
+                metric.is_of_vehicle(&car.name) && with.is_some_and(|with| with == body)
             });
             if named || known.contains(&(vehicle, index)) {
                 continue;
