@@ -12,6 +12,8 @@ mod crossing;
 #[cfg(test)]
 mod fixture;
 mod gaps;
+#[cfg(test)]
+mod gaps_tests;
 mod headway;
 mod jerk;
 mod kerb;

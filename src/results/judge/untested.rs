@@ -502,6 +502,102 @@ mod tests {
         assert_eq!(tested(&[criterion("collision", Some(("av", "parked")))], Some(1.0), &[&[STAYS]]), [true]);
     }
 
+    /// A metric of a stream, or of any of its vehicles, and the walker.
+    fn of_stream(name: &str, stream: &str) -> Criterion {
+        let mut criterion = criterion(name, Some((stream, "walker")));
+        criterion.claim.metric_mut().of_stream = true;
+        criterion
+    }
+
+    #[test]
+    fn a_stream_is_put_to_the_test_by_any_of_its_vehicles_and_by_no_other() {
+        let apart = ("cars_1", "walker", Closeness::Apart, true, false);
+        let together = ("cars_12", "walker", Closeness::Together, true, false);
+        let met = ("cars_3", "walker", Closeness::Met, true, false);
+        let other = ("vans_1", "walker", Closeness::Met, true, false);
+        let gap = of_stream("gap_taken", "cars");
+        assert_eq!(tested(&[gap.clone()], Some(3.0), &[&[apart, other]]), [false]);
+        assert_eq!(tested(&[gap.clone()], Some(3.0), &[&[apart, together, other]]), [true]);
+        // In one run there are more vehicles than in another.
+        assert_eq!(tested(&[gap.clone()], Some(3.0), &[&[apart], &[apart, together]]), [true]);
+        let finding = &judged(&[gap], Some(3.0), &[&[apart, other]])[0];
+        let Some(Untested::Pairs { pairs, .. }) = &finding.untested else { panic!("{finding:?}") };
+        assert_eq!(pairs[0].vehicle.as_deref(), Some("cars"));
+        // A contact with any of its vehicles.
+        let contact = of_stream("collision", "cars");
+        assert_eq!(tested(&[contact.clone()], Some(1.0), &[&[apart, together, other]]), [false]);
+        assert_eq!(tested(&[contact], Some(1.0), &[&[apart, met]]), [true]);
+        // A vehicle of this name has nothing to do with those that are numbered.
+        let car = criterion("collision", Some(("cars", "walker")));
+        assert_eq!(
+            tested(&[car], Some(1.0), &[&[("cars", "walker", Closeness::Apart, true, false), met]]),
+            [false]
+        );
+        // Where no stream is named, only vehicles with a number count.
+        let any = criterion("gap_taken", None);
+        let single = ("av", "walker", Closeness::Met, true, false);
+        assert_eq!(tested(&[any.clone()], Some(3.0), &[&[single, apart]]), [false]);
+        assert_eq!(tested(&[any.clone()], Some(3.0), &[&[single, other]]), [true]);
+        // What to write instead is about the stream.
+        let both = [together, ("cars_12", "child", Closeness::Apart, true, false)];
+        let finding = &judged(&[any], Some(3.0), &[&both])[0];
+        let Some(Untested::Pairs { instead, .. }) = &finding.untested else { panic!("{finding:?}") };
+        assert_eq!(instead.as_deref(), Some("gap_taken(cars, walker) > 0.5"));
+    }
+
+    #[test]
+    fn who_never_goes_has_not_missed_few_gaps() {
+        let missed = |aggregate: Option<fn(MetricReference) -> Aggregate>, relation, bound: f64| {
+            let mut criterion = of_stream("gaps_missed", "cars");
+            let metric = criterion.claim.metric().clone();
+            let (bound, when_undefined) = (bound.into(), WhenUndefined::AsDeclared);
+            criterion.claim = match aggregate {
+                None => Claim::Runs {
+                    comparison: Comparison { metric, relation, bound, when_undefined },
+                    share: None,
+                    confidence: None,
+                },
+                Some(aggregate) => Claim::Aggregate {
+                    aggregate: aggregate(metric),
+                    relation,
+                    bound,
+                    when_undefined,
+                    confidence: None,
+                },
+            };
+            criterion
+        };
+        let seen = [("cars_2", "walker", Closeness::Together, true, true)];
+        let criteria = [
+            missed(None, Relation::LessOrEqual, 3.0),
+            missed(None, Relation::GreaterOrEqual, 1.0),
+            missed(None, Relation::GreaterOrEqual, 5.0),
+            missed(Some(Aggregate::Mean), Relation::LessOrEqual, 3.0),
+            missed(Some(Aggregate::Max), Relation::LessOrEqual, 3.0),
+        ];
+        let mut requests = Requests::default();
+        requests.include(&criteria);
+        let verdicts = |changed: &dyn Fn(&mut Outcome)| {
+            let mut outcomes = [1.0, 2.0].map(|value| outcome(&requests, Some(value), &seen));
+            changed(&mut outcomes[1]);
+            judge(&criteria, &outcomes, &requests).findings.iter().map(|one| one.verdict).collect::<Vec<_>>()
+        };
+        use Verdict::{Failed, Passed};
+        assert_eq!(verdicts(&|_| ()), [Passed, Passed, Failed, Passed, Passed]);
+        // It waited when time was up, and two gaps had gone by: it has missed at least these.
+        let waits = |outcome: &mut Outcome| {
+            outcome.metrics = vec![None];
+            outcome.ending.reason = StopReason::Horizon;
+            let open = [Some(sim::measure::Open::at_least(2.0))].into_iter().collect();
+            outcome.cut_off = Some(Box::new(crate::CutOff { open, ..Default::default() }));
+        };
+        let found = verdicts(&waits);
+        assert_eq!(found[..3], [Failed, Passed, Failed]);
+        assert!(found[3..].iter().all(|verdict| *verdict != Passed), "{found:?}");
+        // Hit, or after the last vehicle: neither few nor many.
+        assert_eq!(verdicts(&|outcome| outcome.metrics = vec![None])[..3], [Failed, Failed, Failed]);
+    }
+
     #[test]
     fn a_flag_that_needs_a_red_light_is_untested_where_none_was_met() {
         let red = |aggregate: fn(Comparison) -> Aggregate, bound: f64| {
