@@ -25,6 +25,8 @@ mod keep;
 mod literal;
 mod matched_parameters;
 mod metric;
+#[cfg(test)]
+mod metric_tests;
 mod model;
 mod over;
 mod pedestrian;
