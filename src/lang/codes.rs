@@ -263,6 +263,10 @@ codes! {
     WrongRoad = "E0535", "a vehicle cannot drive on that road",
         "A vehicle drives on the road of its scenario, or says `on side` where the road `side` lies `over` that one. On the first places \
          are counted `before crossing`, on the other `before junction`, which is where the two roads meet.";
+    NoSingleOrder = "E0537", "who of a stream and a pedestrian goes first has no answer",
+        "Of many vehicles some pass before a pedestrian and some after: `gap_accepted` of all of them is never true, and the smallest `pet` is \
+         that of a vehicle that nobody named. In a scenario with a stream say which gap is meant, `gap_taken(cars, walker) >= 3 s`, or which \
+         vehicle, `pet(cars_3, walker) >= 1.5 s`. The smallest time of all may be asked for by the name of the stream: `pet(cars, walker)`.";
     BadDraw = "E0540", "a file cannot be drawn from",
         "`draw together from \"exposure.csv\"` draws a row in every run. The header names the columns, with units in square brackets: `tta \
          [s],speed [km/h],weight`. A row is as likely as its weight is of the sum of all weights, all equally without that column; weights \

@@ -207,7 +207,8 @@ fn declared(files: &mut Texts, file: FileId, path: &Path, report: &mut Vec<Diagn
     let gate_nodes: Vec<ast::Gate> = block.gates().collect();
     let declared = declared_names(files, &all_definitions, &blocks, &gate_nodes);
     let blocks = blocks.check(files, &all_definitions, [&scenarios, &supporting], report);
-    let cast = everybody(&scenarios, &files.registry);
+    let drivers: Vec<String> = scenarios.iter().flat_map(check::drivers).collect();
+    let cast = everybody(&scenarios, &drivers, &files.registry);
     let mut gate_names: HashMap<&str, Span> = HashMap::new();
     let gates: Vec<_> = gate_nodes
         .into_iter()
@@ -307,15 +308,20 @@ fn reject_lost(declared: &[(String, Span)], suite: &Suite, report: &mut Vec<Diag
 }
 
 /// Every road user of any scenario.
-fn everybody<'a>(scenarios: &'a [Scenario], registry: &'a Registry) -> check::Cast<'a> {
+fn everybody<'a>(
+    scenarios: &'a [Scenario],
+    drivers: &'a [String],
+    registry: &'a Registry,
+) -> check::Cast<'a> {
     check::Cast {
-        vehicles: scenarios.iter().flat_map(|s| &s.vehicles).map(|vehicle| vehicle.name.as_str()).collect(),
+        vehicles: drivers.iter().map(String::as_str).collect(),
         pedestrians: scenarios
             .iter()
             .flat_map(|s| &s.pedestrians)
             .map(|person| person.name.as_str())
             .collect(),
         groups: check::groups(scenarios.iter().flat_map(|s| &s.pedestrians)),
+        streams: scenarios.iter().flat_map(Scenario::streams).map(|stream| stream.name.as_str()).collect(),
         boxes: scenarios.iter().flat_map(|s| &s.road.boxes).map(|body| body.name.as_str()).collect(),
         individuals: None,
         are_drawn: false,

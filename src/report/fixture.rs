@@ -378,6 +378,7 @@ impl Session {
                 }],
                 waiting_steps: Vec::new(),
                 left_road: Vec::new(),
+                outlasted: Vec::new(),
                 cut_off: Default::default(),
                 fingerprint: 0x0123_4567_89ab_cdef,
                 wall_time: Duration::from_millis(3),

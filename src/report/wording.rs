@@ -7,9 +7,9 @@ use super::format::{count, in_notation, quantity, share};
 use results::judge::{PerRun, judge};
 use results::{
     BlockReport, BlockState, Finding, FindingMeasure, Horizon, LeftRoad, NearestRun, OnCourse, Outcome,
-    Reason, RecordedReport, RecordedState, Regarding, Requests, RunsTaken, ScenarioSummary, Skip, Standing,
-    SuiteReport, TrialReport, TrialState, TrialVerdict, UnitReport, Untested, UntestedPair, Verdict,
-    WaitingStep, WorstRun,
+    OutlastedRuns, Reason, RecordedReport, RecordedState, Regarding, Requests, RunsTaken, ScenarioSummary,
+    Skip, Standing, SuiteReport, TrialReport, TrialState, TrialVerdict, UnitReport, Untested, UntestedPair,
+    Verdict, WaitingStep, WorstRun,
 };
 use scenario::{Comparison, Keep, MetricKind, Notation, People, Relation, Search, Stake, significant};
 use sim::measure::Closeness;
@@ -463,7 +463,7 @@ fn alike(findings: &[Finding]) -> Option<String> {
     ))
 }
 
-/// Steps of scripts that never began, vehicles that left the road, and times between centres where bodies overlap: `step 1 of \`av\`, \`when distance < d1 stop\`, began in no run: what
+/// Steps of scripts that never began, vehicles that left the road, streams that were over before somebody went across, and times between centres where bodies overlap: `step 1 of \`av\`, \`when distance < d1 stop\`, began in no run: what
 /// it brings about is untested`.
 pub fn not_as_declared(judged: &TrialVerdict) -> Vec<String> {
     let steps = judged.never_began.iter().map(|WaitingStep { of, step }| {
@@ -478,6 +478,14 @@ pub fn not_as_declared(judged: &TrialVerdict) -> Vec<String> {
             count(*of, "run")
         )
     });
+    let outlasted = judged.outlasted.iter().map(|OutlastedRuns { outlasted, runs, of }| {
+        format!(
+            "the last vehicle of `{}` had passed before `{}` went across in {runs} of {}: nobody knows which gap it would have taken",
+            outlasted.stream,
+            outlasted.pedestrian,
+            count(*of, "run")
+        )
+    });
     let overlapping = judged.findings.iter().filter(|finding| finding.overlapping > 0).map(|finding| {
         format!(
             "`{}` passed, but the bodies were in the shared area at the same time in {} of {}: `pet_area` is 0 s there",
@@ -486,7 +494,7 @@ pub fn not_as_declared(judged: &TrialVerdict) -> Vec<String> {
             count(finding.runs, "run")
         )
     });
-    steps.chain(roads).chain(overlapping).collect()
+    steps.chain(roads).chain(outlasted).chain(overlapping).collect()
 }
 
 /// What is to be warned of in a trial: criteria that passed untested, runs that the horizon ended too early.

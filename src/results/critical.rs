@@ -55,7 +55,7 @@ impl<T> FromIterator<Option<T>> for ByMetric<T> {
 pub struct Critical {
     /// When it took its value, s; `None` for what has no single instant, such as a time lost.
     pub time: Option<f64>,
-    /// Whose value it is: a vehicle's, a pedestrian's or a pair's.
+    /// Whose value it is: a vehicle's, a stream's, a pedestrian's or a pair's.
     pub vehicle: Option<Arc<str>>,
     /// The pedestrian's name; `None` for a metric of vehicles.
     pub pedestrian: Option<Arc<str>>,

@@ -78,7 +78,7 @@ pub use gate::{
     BlindPlace, Change, ChangedRun, Check, CheckOutcome, ComparedSubject, GateReport, GateState, GateVerdict,
     Looks, NotJudged, Power, Refusal, TrialChange,
 };
-pub use outcome::{CutOff, OnCourse, Outcome, PairPresence, Unfinished, WaitingStep};
+pub use outcome::{CutOff, OnCourse, Outcome, Outlasted, PairPresence, Unfinished, WaitingStep};
 pub use overall::Overall;
 pub use parting::{
     AgainstBaseline, Doing, InBoth, MetricThen, OneOfTwo, PARTED_LENGTH, PARTED_SPEED, PartedIn, Parting,
@@ -109,7 +109,8 @@ pub use summary::{
     AppliedCriteria, MOST_SHOWN, NearestRun, PassedTrial, ScenarioSummary, StandingCount, SuiteSummary,
 };
 pub use trial::{
-    CourseOfRun, Horizon, LeftRoad, Reason, RunsTaken, Stranded, TrialReport, TrialState, TrialVerdict,
+    CourseOfRun, Horizon, LeftRoad, OutlastedRuns, Reason, RunsTaken, Stranded, TrialReport, TrialState,
+    TrialVerdict,
 };
 pub use tune::{BeforeAndAfter, Candidate, CandidateOrigin, TuneResult, UntestedConstraint, Violations};
 pub use unit_error::{RunFault, UnitError};

@@ -43,6 +43,9 @@ pub struct Outcome {
     /// Vehicles whose body left their carriageway.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub left_road: Vec<Arc<str>>,
+    /// Streams whose last vehicle had passed before somebody went across.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub outlasted: Vec<Outlasted>,
     /// What the horizon, or a contact that ends runs, cut off, if that is anything.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cut_off: Option<Box<CutOff>>,
@@ -105,6 +108,15 @@ pub struct WaitingStep {
     pub of: Arc<str>,
     /// The step.
     pub step: ScriptStep,
+}
+
+/// A stream whose last vehicle had passed before a pedestrian went across: which gap they would have taken was not seen.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Outlasted {
+    /// The stream's name.
+    pub stream: Arc<str>,
+    /// The pedestrian's name.
+    pub pedestrian: Arc<str>,
 }
 
 /// What was going on when the horizon or a contact ended a run.

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::cut::Cut;
 use super::finding::Finding;
-use super::outcome::{OnCourse, Outcome, WaitingStep};
+use super::outcome::{OnCourse, Outcome, Outlasted, WaitingStep};
 use super::skip::Skip;
 use super::standing::Standing;
 use super::unit_error::UnitError;
@@ -33,6 +33,21 @@ pub struct TrialVerdict {
     /// Vehicles whose bodies left their carriageways, where no criterion is about that.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub left_road: Vec<LeftRoad>,
+    /// Streams whose last vehicle had passed before somebody went across.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub outlasted: Vec<OutlastedRuns>,
+}
+
+/// A stream that a pedestrian outlasted.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct OutlastedRuns {
+    /// Which, and who.
+    #[serde(flatten)]
+    pub outlasted: Outlasted,
+    /// In so many runs.
+    pub runs: usize,
+    /// Of so many in all.
+    pub of: usize,
 }
 
 /// A vehicle whose body left its carriageway.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Dimension, Expression, Metric, Notation, Reference, Settings, Value, show};
+use super::{Dimension, Expression, Metric, Notation, Reference, Settings, Stream, Value, show};
 
 /// A metric of one run compared to a bound.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -48,6 +48,9 @@ pub struct MetricReference {
     /// is what they are called together. Else empty.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub several: Vec<String>,
+    /// Whether the first name of the pair is that of a stream: of its vehicles the worst counts, unless the metric is of streams.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub of_stream: bool,
 }
 
 /// How two numbers compare.
@@ -119,7 +122,8 @@ impl Relation {
 impl MetricReference {
     /// A metric with its defaults, for everybody.
     pub fn plain(metric: impl Into<Reference<Metric>>) -> Self {
-        Self { metric: metric.into(), settings: Settings::default(), pair: None, several: Vec::new() }
+        let settings = Settings::default();
+        Self { metric: metric.into(), settings, pair: None, several: Vec::new(), of_stream: false }
     }
 
     /// As scenarios call the metric.
@@ -137,6 +141,21 @@ impl MetricReference {
         self.known().map(Metric::unit).unwrap_or_default()
     }
 
+    /// Whether it is about a vehicle of this name: the one that it names, one of the stream that it names, or any.
+    pub fn is_of_vehicle(&self, name: &str) -> bool {
+        let Some((first, _)) = &self.pair else { return true };
+        if self.of_stream {
+            Stream::of_member(name).is_some_and(|(stream, _)| stream == first)
+        } else {
+            first == name
+        }
+    }
+
+    /// The name of the stream that it names.
+    pub fn stream(&self) -> Option<&str> {
+        self.pair.as_ref().filter(|_| self.of_stream).map(|(stream, _)| stream.as_str())
+    }
+
     /// Whether it is about somebody or something of this name where it is about a pair, or about everybody.
     pub fn is_of(&self, other: &str) -> bool {
         let Some((_, second)) = &self.pair else { return true };
@@ -147,9 +166,10 @@ impl MetricReference {
         }
     }
 
-    /// Whether it is the same metric of those who are called the same: a group may have other members in another scenario.
+    /// Whether it is the same metric of those who are called the same: a group may have other members in another scenario, and
+    /// a stream there be a vehicle here.
     pub fn is_same(&self, other: &Self) -> bool {
-        let Self { metric, settings, pair, several: _ } = self;
+        let Self { metric, settings, pair, several: _, of_stream: _ } = self;
         *metric == other.metric && *settings == other.settings && *pair == other.pair
     }
 

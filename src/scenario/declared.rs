@@ -210,6 +210,11 @@ impl Scenario {
         self.vehicles.iter().find(declares)
     }
 
+    /// Its streams, each as what declares all of its vehicles.
+    pub fn streams(&self) -> impl Iterator<Item = &Vehicle> {
+        self.vehicles.iter().filter(|car| matches!(car.start, DeclaredVehicleStart::Stream(_)))
+    }
+
     /// Whether its runs differ in what they draw: values, or people.
     pub fn is_drawn(&self) -> bool {
         !self.draws.is_empty() || self.draws_people()

@@ -67,6 +67,8 @@ pub enum MetricKind {
 pub enum Scope {
     /// A vehicle and a pedestrian.
     Pair,
+    /// A stream and a pedestrian.
+    Stream,
     /// A vehicle and anything solid: a pedestrian, another vehicle or a box.
     Contact,
     /// A vehicle and another vehicle.
@@ -185,6 +187,18 @@ impl MetricRange {
 }
 
 impl Metric {
+    /// Whether it says how one vehicle and one pedestrian came one after the other. Among many vehicles the worst of such values is of
+    /// one that nobody meant.
+    pub fn tells_order(&self) -> bool {
+        self.scope == Scope::Pair
+            && match self.stake {
+                Stake::Order | Stake::MeetingInTime => true,
+                // How near the vehicle was then, but not how long something took.
+                Stake::Entry => self.worst == Worst::Smallest,
+                _ => false,
+            }
+    }
+
     /// The SI unit of its values; nothing for those that are no quantities.
     pub fn unit(&self) -> String {
         match &self.kind {

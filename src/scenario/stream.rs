@@ -35,7 +35,7 @@ impl Stream {
         let (stream, number) = name.rsplit_once('_')?;
         let is_number = !number.starts_with('0') && number.bytes().all(|byte| byte.is_ascii_digit());
         let index = number.parse::<usize>().ok().filter(|_| is_number)?.checked_sub(1)?;
-        (index < Self::MOST).then_some((stream, index))
+        (index < Self::MOST && !stream.is_empty()).then_some((stream, index))
     }
 }
 
@@ -267,7 +267,9 @@ mod tests {
     fn members_have_the_name_of_their_stream_and_a_number() {
         assert_eq!(Stream::member_name("cars", 0), "cars_1");
         assert_eq!(Stream::of_member("far_cars_12"), Some(("far_cars", 11)));
-        for none in ["cars", "cars_0", "cars_01", "cars_201", "cars_", "cars_-1", "cars_+1", "cars_x"] {
+        for none in [
+            "cars", "cars_0", "cars_01", "cars_201", "cars_", "cars_-1", "cars_+1", "cars_x", "_1", "cars_1b",
+        ] {
             assert_eq!(Stream::of_member(none), None, "{none}");
         }
     }

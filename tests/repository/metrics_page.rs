@@ -48,6 +48,7 @@ fn section(metric: &Metric) -> String {
     };
     let scope = match metric.scope {
         Scope::Pair => "per vehicle and pedestrian",
+        Scope::Stream => "per stream and pedestrian",
         Scope::Contact => "per vehicle and anything that it may touch",
         Scope::Vehicles => "per vehicle and another vehicle",
         Scope::Vehicle => "per vehicle",

@@ -9,11 +9,14 @@ use crate::diagnostic::Diagnostic;
 use crate::syntax::ast;
 use crate::value::{NameScope, ValueKind};
 use scenario::registry::Table;
-use scenario::{AggregateWord, Metric, MetricKind, MetricReference, Scope as Measured};
+use scenario::{AggregateWord, Metric, MetricKind, MetricReference, Scope as Measured, Stake, Stream};
 
 /// Who is in the scenario that a criterion is about.
 pub struct Cast<'a> {
+    /// Every one by name, members of streams too.
     pub vehicles: Vec<&'a str>,
+    /// By name; their vehicles are among the others.
+    pub streams: Vec<&'a str>,
     /// Every one by name, members of groups too.
     pub pedestrians: Vec<&'a str>,
     /// By name, with their members.
@@ -77,8 +80,13 @@ pub fn metric_reference(
         Some(details) => pair(details, found, cast, report)?,
         None => Subjects::default(),
     };
-    let Subjects { pair, several } = of;
-    Some((MetricReference { metric: found.into(), settings: settings?, pair, several }, found.clone()))
+    if let Some(refusal) = order_in_stream(node, found, &of, cast) {
+        report.push(refusal);
+        return None;
+    }
+    let Subjects { pair, several, of_stream } = of;
+    let metric = found.into();
+    Some((MetricReference { metric, settings: settings?, pair, several, of_stream }, found.clone()))
 }
 
 /// Whom a metric is said to be about: see [`MetricReference`].
@@ -86,12 +94,52 @@ pub fn metric_reference(
 struct Subjects {
     pair: Option<(String, String)>,
     several: Vec<String>,
+    of_stream: bool,
 }
 
 impl Subjects {
     fn of(vehicle: String, (called, several): (String, Vec<String>)) -> Self {
-        Self { pair: Some((vehicle, called)), several }
+        Self { pair: Some((vehicle, called)), several, of_stream: false }
     }
+
+    /// The same, of a vehicle or a stream.
+    fn of_traffic(first: Traffic, others: (String, Vec<String>)) -> Self {
+        Self { of_stream: first.is_stream, ..Self::of(first.name, others) }
+    }
+}
+
+/// A vehicle or a stream.
+struct Traffic {
+    name: String,
+    is_stream: bool,
+}
+
+/// What is wrong where a metric of the order of one vehicle and one pedestrian is said of a scenario with streams and names no vehicle, or
+/// where one that says who goes first names a stream. The smallest time to any vehicle of a stream is one that somebody may mean.
+fn order_in_stream(node: ast::Metric, metric: &Metric, of: &Subjects, cast: &Cast) -> Option<Diagnostic> {
+    let stream = cast.streams.first().filter(|_| metric.tells_order())?;
+    let stream = match &of.pair {
+        None => *stream,
+        Some((stream, _)) if of.of_stream && metric.stake == Stake::Order => stream.as_str(),
+        Some(_) => return None,
+    };
+    let name = &metric.declaration.name;
+    let person = of.pair.as_ref().map(|(_, person)| person.as_str());
+    let person = person.or(cast.pedestrians.first().copied()).unwrap_or("walker");
+    let one = Stream::member_name(stream, 2);
+    let message = match of.pair {
+        None => {
+            format!("`{name}` is of one vehicle and one pedestrian, and `{stream}` is a stream of vehicles")
+        }
+        Some(_) => format!("`{name}` says who goes first, and `{stream}` is a stream of vehicles"),
+    };
+    let mut hint = format!(
+        "ask for the gap, `gap_taken({stream}, {person})`, or name a vehicle, `{name}({one}, {person})`"
+    );
+    if metric.stake != Stake::Order {
+        hint += &format!("; the smallest of all vehicles is `{name}({stream}, {person})`");
+    }
+    Some(Diagnostic::new(Code::NoSingleOrder, node.span(), message).label("of which vehicle?").hint(hint))
 }
 
 /// People by their names and those of their groups: what they are called together, and who they are if there may be several.
@@ -145,14 +193,32 @@ fn pair(
         report.push(unknown_vehicle(name, &cast.vehicles));
         None
     };
+    let traffic = |name: ast::Name, report: &mut Vec<Diagnostic>| {
+        let is_stream = cast.streams.contains(&name.text());
+        if is_stream || cast.vehicles.contains(&name.text()) {
+            return Some(Traffic { name: name.text().to_string(), is_stream });
+        }
+        let known: Vec<&str> = cast.streams.iter().chain(&cast.vehicles).copied().collect();
+        report.push(unknown_vehicle(name, &known));
+        None
+    };
     let first = |names: &[&str]| names.first().map(|name| name.to_string());
     let is_person = |name: &ast::Name| {
         cast.pedestrians.contains(&name.text()) || cast.groups.iter().any(|(group, _)| *group == name.text())
     };
     match (names.as_slice(), metric.scope) {
-        ([car], Measured::Contact) => Some(Subjects::of(vehicle(*car, report)?, (String::new(), Vec::new()))),
+        ([car], Measured::Contact) => {
+            Some(Subjects::of_traffic(traffic(*car, report)?, (String::new(), Vec::new())))
+        }
         ([car, others @ ..], Measured::Contact) if others.iter().all(is_person) => {
-            Some(Subjects::of(vehicle(*car, report)?, people(others, cast, report)?))
+            Some(Subjects::of_traffic(traffic(*car, report)?, people(others, cast, report)?))
+        }
+        (two @ [_, _], Measured::Contact | Measured::Vehicles)
+            if two.iter().any(|one| cast.streams.contains(&one.text())) =>
+        {
+            let named = two.iter().find(|one| cast.streams.contains(&one.text()))?;
+            report.push(no_stream_here(*named));
+            None
         }
         ([car, other], Measured::Contact) => {
             let car = vehicle(*car, report)?;
@@ -171,11 +237,22 @@ fn pair(
         ([car, others @ ..], Measured::Pair)
             if others.len() == 1 || (others.len() > 1 && others.iter().all(is_person)) =>
         {
-            let (car, people) = (vehicle(*car, report), people(others, cast, report));
-            Some(Subjects::of(car?, people?))
+            let (car, people) = (traffic(*car, report), people(others, cast, report));
+            Some(Subjects::of_traffic(car?, people?))
+        }
+        ([stream, others @ ..], Measured::Stream)
+            if others.len() == 1 || (others.len() > 1 && others.iter().all(is_person)) =>
+        {
+            if !cast.streams.contains(&stream.text()) {
+                report.push(unknown_stream(*stream, cast));
+                return None;
+            }
+            let stream = Traffic { name: stream.text().to_string(), is_stream: true };
+            Some(Subjects::of_traffic(stream, people(others, cast, report)?))
         }
         ([car], Measured::Vehicle) => {
-            Some(Subjects::of(vehicle(*car, report)?, (first(&cast.pedestrians)?, Vec::new())))
+            let person = first(&cast.pedestrians)?;
+            Some(Subjects::of_traffic(traffic(*car, report)?, (person, Vec::new())))
         }
         (others, Measured::Pedestrian) if others.len() == 1 || others.iter().all(is_person) => {
             let people = people(others, cast, report)?;
@@ -185,6 +262,7 @@ fn pair(
             let name = &metric.declaration.name;
             let (whom, example) = match metric.scope {
                 Measured::Pair => ("a vehicle and a pedestrian", format!("{name}(av, walker)")),
+                Measured::Stream => ("a stream and a pedestrian", format!("{name}(cars, walker)")),
                 Measured::Contact => ("a vehicle and what it touches", format!("{name}(av, walker)")),
                 Measured::Vehicles => ("two vehicles", format!("{name}(av, other)")),
                 Measured::Vehicle => ("a vehicle", format!("{name}(av)")),
@@ -198,6 +276,25 @@ fn pair(
             None
         }
     }
+}
+
+/// What two vehicles, or a vehicle and a box, have to do with each other is not followed for every vehicle of a stream.
+fn no_stream_here(name: ast::Name) -> Diagnostic {
+    let one = Stream::member_name(name.text(), 0);
+    let message = format!("`{}` is a stream, and this is of single vehicles", name.text());
+    Diagnostic::new(Code::BadPair, name.span(), message)
+        .label("of which vehicle?")
+        .hint(format!("name a vehicle of it, such as `{one}`"))
+}
+
+fn unknown_stream(name: ast::Name, cast: &Cast) -> Diagnostic {
+    let (message, label) = match cast.vehicles.contains(&name.text()) {
+        true => (format!("`{}` is a vehicle, and this is of a stream", name.text()), "not a stream"),
+        false => (format!("the scenario has no stream `{}`", name.text()), "unknown stream"),
+    };
+    Diagnostic::new(Code::BadPair, name.span(), message)
+        .label(label)
+        .suggest(name.text(), cast.streams.iter().copied())
 }
 
 fn touches_itself(name: ast::Name, vehicle: &str, hint: &str) -> Diagnostic {

@@ -25,6 +25,8 @@ mod keep;
 mod literal;
 mod matched_parameters;
 mod metric;
+#[cfg(test)]
+mod metric_tests;
 mod model;
 mod over;
 mod pedestrian;
@@ -64,5 +66,5 @@ pub use rating::rating;
 pub use road_settings::{bus, crossings, obstacle, over, parked_row, turn};
 pub use scenario::{SuiteCriteria, scenario, write_scenario};
 pub use statement::statement;
-pub use subject::{Checked, Subjects, groups};
+pub use subject::{Checked, Subjects, drivers, groups};
 pub use tested::tested;

@@ -102,6 +102,11 @@ pub fn scenario(
         groups: Membership::groups(
             everybody.iter().flat_map(|(_, who)| who).map(|one| (one.name.as_str(), one.group.as_ref())),
         ),
+        streams: vehicle_groups
+            .iter()
+            .filter(|(_, layers)| is_stream(layers))
+            .map(|(name, _)| name.text())
+            .collect(),
         boxes: road.iter().flat_map(|road| &road.boxes).map(|body| body.name.as_str()).collect(),
         individuals: None,
         are_drawn: false,

@@ -6,6 +6,7 @@ use super::literal;
 use super::metric::Cast;
 use super::places::TextPlaces;
 use super::scenario::surroundings;
+use super::stream::members;
 use crate::codes::Code;
 use crate::diagnostic::Diagnostic;
 use crate::source::Span;
@@ -14,8 +15,8 @@ use crate::texts::NameDefinition;
 use crate::value::Binding;
 use scenario::registry::Registry;
 use scenario::{
-    CaseSet, Declaration, DeclaredPedestrian, Evaluate, Membership, Part, RangeValues, Reference, Registered,
-    SampleSize, Scenario, Search, SearchRange, Target, Tune, Value, VariedValue,
+    CaseSet, Declaration, DeclaredPedestrian, DeclaredVehicleStart, Evaluate, Membership, Part, RangeValues,
+    Reference, Registered, SampleSize, Scenario, Search, SearchRange, Target, Tune, Value, VariedValue,
 };
 
 /// What the blocks of a suite can be about: its scenarios, and the blocks that are checked so far.
@@ -73,6 +74,8 @@ pub struct StatementSubject<'a> {
     pub searched: HashMap<String, (f64, f64)>,
     /// What its road users may be, and what is measured of them.
     pub registry: Registry,
+    /// What its vehicles are called, those of streams too.
+    drivers: Vec<String>,
 }
 
 impl<'a> Subjects<'a> {
@@ -111,7 +114,8 @@ impl<'a> Subjects<'a> {
             .find(|definition| places.files.scenario(**definition).name().text() == name)?;
         let registry = places.files.registry.clone();
         let varied = surroundings(*definition, places)?;
-        Some(StatementSubject { scenario, varied, searched: HashMap::new(), registry })
+        let drivers = drivers(scenario);
+        Some(StatementSubject { scenario, varied, searched: HashMap::new(), registry, drivers })
     }
 
     /// The scenario of a search, varied as it was searched.
@@ -136,6 +140,15 @@ impl<'a> Subjects<'a> {
     }
 }
 
+/// What the vehicles of a scenario are called, those of streams too.
+pub fn drivers(scenario: &Scenario) -> Vec<String> {
+    let names = scenario.vehicles.iter().map(|car| match &car.start {
+        DeclaredVehicleStart::Stream(_) => members(&car.name, Some(car), Some(scenario.horizon)),
+        _ => vec![car.name.clone()],
+    });
+    names.flatten().collect()
+}
+
 /// The groups of people, each with the names of its members in any scenario.
 pub fn groups<'a>(people: impl IntoIterator<Item = &'a DeclaredPedestrian>) -> Vec<(&'a str, Vec<&'a str>)> {
     Membership::groups(people.into_iter().map(|person| (person.name.as_str(), person.group.as_ref())))
@@ -144,9 +157,10 @@ pub fn groups<'a>(people: impl IntoIterator<Item = &'a DeclaredPedestrian>) -> V
 impl StatementSubject<'_> {
     pub fn cast(&self) -> Cast<'_> {
         Cast {
-            vehicles: self.scenario.vehicles.iter().map(|vehicle| vehicle.name.as_str()).collect(),
+            vehicles: self.drivers.iter().map(String::as_str).collect(),
             pedestrians: self.scenario.pedestrians.iter().map(|person| person.name.as_str()).collect(),
             groups: groups(&self.scenario.pedestrians),
+            streams: self.scenario.streams().map(|stream| stream.name.as_str()).collect(),
             boxes: self.scenario.road.boxes.iter().map(|body| body.name.as_str()).collect(),
             individuals: None,
             are_drawn: false,

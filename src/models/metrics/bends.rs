@@ -11,7 +11,7 @@ use crate::{known, standard};
 use scenario::geometry::{Piece, Pose, ReferenceLine};
 use scenario::{
     Appearance, Bend, ControllerContext, Direction, ModelSetup, PedestrianContext, Position, Settings, Shape,
-    Side, Value, VehicleStart, World,
+    Side, Stream, Value, VehicleStart, World,
 };
 use sim::measure::Measurement;
 use sim::{Driven, Observer, RoadUsers, Snapshot, Step, fixture, simulate};
@@ -55,6 +55,8 @@ fn world(controller: &str, model: &str, settings: &[(&str, f64)], side: Side, st
     let dynamics = registry.dynamics().get(&dynamics.declaration.name).unwrap();
     car.dynamics = ModelSetup::resolved(dynamics, &Settings::default()).unwrap();
     car.start = VehicleStart::Distance(start);
+    // A stream of one: whoever goes has met its first and last vehicle.
+    world.streams = vec![Stream { name: "cars".into(), vehicles: vec![0], arrivals: vec![1.0] }];
     let person = &mut world.pedestrians[0];
     let given = settings.iter().map(|(name, value)| (name.to_string(), Value::Number(*value)));
     let entry = registry.pedestrians().get(model).unwrap();

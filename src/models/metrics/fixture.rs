@@ -3,7 +3,7 @@
 use nalgebra::Vector2;
 
 use super::metrics;
-use scenario::{Appearance, MetricReference, Settings, Value, World};
+use scenario::{Appearance, MetricReference, Settings, Value, VehicleSetup, World};
 use sim::measure::{FreeFlow, Measurement, Open, Presence, Reading};
 use sim::{
     Abreast, Contacts, Ending, Longitudinal, Minds, Mode, Observer, PedestrianState, Snapshot, Step,
@@ -68,24 +68,36 @@ pub const FREE_FLOW: FreeFlow = FreeFlow { finish_time: Some(12.0), finish_speed
 
 /// The readings of one encounter, by request. Walks at 1.25 m/s when free.
 pub fn measure(world: &World, requests: &[MetricReference], car: &Profile, walk: &Walk) -> Vec<Reading> {
-    observe(world, requests, car, walk).readings()
+    measure_traffic(world, requests, std::slice::from_ref(car), walk)
+}
+
+/// The readings of one pedestrian and several cars, by request.
+pub fn measure_traffic(
+    world: &World,
+    requests: &[MetricReference],
+    cars: &[Profile],
+    walk: &Walk,
+) -> Vec<Reading> {
+    observe(world, requests, cars, walk).readings()
 }
 
 /// What the pedestrian and the car had to do with each other.
 pub fn presence(world: &World, car: &Profile, walk: &Walk) -> Presence {
-    observe(world, &[], car, walk).presences()[0].2
+    observe(world, &[], std::slice::from_ref(car), walk).presences()[0].2
 }
 
-fn observe(world: &World, requests: &[MetricReference], car: &Profile, walk: &Walk) -> Measurement {
+/// What is measured of one pedestrian and several cars.
+pub fn observe(world: &World, requests: &[MetricReference], cars: &[Profile], walk: &Walk) -> Measurement {
     let mut measurement = Measurement::new(world, requests, &[FREE_FLOW], &[1.25]);
     let steps = (world.horizon / world.step).round() as usize;
     let mut contacts = Contacts::new(world);
+    let modes = vec![Mode::NONE; cars.len()];
     let mut ending = Ending { reason: StopReason::Horizon, time: world.horizon };
-    let mut before = snapshot(world, car, walk, 0.0);
+    let mut before = snapshot(world, cars, walk, 0.0);
     measurement.begin(&before);
     for k in 0..steps {
         let time = k as f64 * world.step;
-        let after = snapshot(world, car, walk, (k + 1) as f64 * world.step);
+        let after = snapshot(world, cars, walk, (k + 1) as f64 * world.step);
         contacts.find(&before, &after, world.step);
         let collision = contacts.collision().filter(|_| world.end_on_collision);
         if let Some(moment) = collision {
@@ -98,7 +110,7 @@ fn observe(world: &World, requests: &[MetricReference], car: &Profile, walk: &Wa
             after: &after,
             whole: &after,
             pedestrian_modes: &[Mode::NONE],
-            vehicle_modes: &[Mode::NONE],
+            vehicle_modes: &modes,
             motions: &[],
             contacts: contacts.found(),
             sightings: &[],
@@ -143,17 +155,16 @@ pub fn request<const N: usize>(name: &str, settings: [(&str, Value); N]) -> Metr
     MetricReference { settings: Settings::from(settings), ..crate::known::measured(name) }
 }
 
-fn snapshot(world: &World, car: &Profile, walk: &Walk, time: f64) -> Snapshot {
-    let (travelled, speed) = car.at(time);
-    let setup = &world.vehicles[0];
+fn snapshot(world: &World, cars: &[Profile], walk: &Walk, time: f64) -> Snapshot {
+    let vehicle = |(setup, car): (&VehicleSetup, &Profile)| {
+        let (travelled, speed) = car.at(time);
+        let motion = Longitudinal { travelled, speed, acceleration: 0.0 };
+        VehicleState::new(world.path_of(setup), motion, (setup.length, setup.width))
+    };
     let person = &world.pedestrians[0];
     let (position, velocity) = walk.at(time);
     Snapshot {
-        vehicles: vec![VehicleState::new(
-            world.path_of(setup),
-            Longitudinal { travelled, speed, acceleration: 0.0 },
-            (setup.length, setup.width),
-        )],
+        vehicles: world.vehicles.iter().zip(cars).map(vehicle).collect(),
         pedestrians: vec![PedestrianState {
             position,
             velocity,

@@ -11,6 +11,9 @@ mod contact;
 mod crossing;
 #[cfg(test)]
 mod fixture;
+mod gaps;
+#[cfg(test)]
+mod gaps_tests;
 mod headway;
 mod jerk;
 mod kerb;
@@ -53,6 +56,11 @@ pub fn metrics() -> Vec<Metric> {
         crossing::crossing_initiation_time(),
         crossing::crossing_duration(),
         crossing::pedestrian_delay(),
+        gaps::gap_taken(),
+        gaps::gaps_missed(),
+        gaps::entry_after_previous(),
+        gaps::time_left_on_leaving(),
+        gaps::step_back(),
         people::plausibility(),
         vehicles::vehicle_pet(),
         vehicles::entered_first(),

@@ -150,7 +150,7 @@ fn reference(label: &str) -> MetricReference {
     }
     let mut names = names.into_iter();
     let pair = names.next().map(|first| (first, names.next().unwrap_or_default()));
-    MetricReference { metric: Reference::unresolved(name), settings, pair, several: Vec::new() }
+    MetricReference { settings, pair, ..MetricReference::plain(Reference::unresolved(name)) }
 }
 
 impl Suite {

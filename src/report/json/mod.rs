@@ -175,7 +175,8 @@ fn trial_object<'v>(report: &'v TrialReport, requests: &'v Requests) -> Object<'
     let criteria: Rc<Vec<_>> = Rc::new(report.trial.criteria.iter().filter_map(per_run).collect());
     let run = move |outcome: &Outcome| {
         let mut value = outcome_value(outcome, requests);
-        let Outcome { critical, presences, waiting_steps, left_road, cut_off, wall_time, .. } = outcome;
+        let Outcome { critical, presences, waiting_steps, left_road, outlasted, cut_off, wall_time, .. } =
+            outcome;
         value["record"] = json!({
             "critical": plain(critical),
             "presences": plain(presences),
@@ -186,6 +187,9 @@ fn trial_object<'v>(report: &'v TrialReport, requests: &'v Requests) -> Object<'
         }
         if !left_road.is_empty() {
             value["record"]["left_road"] = plain(left_road);
+        }
+        if !outlasted.is_empty() {
+            value["record"]["outlasted"] = plain(outlasted);
         }
         if let Some(cut_off) = cut_off {
             value["record"]["cut_off"] = plain(cut_off);
@@ -219,6 +223,9 @@ fn trial_object<'v>(report: &'v TrialReport, requests: &'v Requests) -> Object<'
             }
             if !judged.left_road.is_empty() {
                 fields.insert("left_road".into(), plain(&judged.left_road));
+            }
+            if !judged.outlasted.is_empty() {
+                fields.insert("outlasted".into(), plain(&judged.outlasted));
             }
             objects.extend(judged.horizon.as_ref().map(|horizon| ("horizon", horizon_object(horizon))));
             if let Some(stopping) = &judged.stopping {

@@ -11,7 +11,8 @@ use super::error::{ResultsError, contradiction};
 use numbers::json;
 use results::{
     ByMetric, Critical, CutOff, Finding, GateState, GateVerdict, Horizon, LeftRoad, NotJudged, Outcome,
-    PairPresence, Refusal, Requests, RunFault, RunsTaken, TrialVerdict, Verdict, WaitingStep,
+    Outlasted, OutlastedRuns, PairPresence, Refusal, Requests, RunFault, RunsTaken, TrialVerdict, Verdict,
+    WaitingStep,
 };
 use scenario::{Draw, FaultKind, Individual, Origin, ProgramFault};
 use sim::Ending;
@@ -46,6 +47,8 @@ struct RunRecord {
     #[serde(default)]
     left_road: Vec<Arc<str>>,
     #[serde(default)]
+    outlasted: Vec<Outlasted>,
+    #[serde(default)]
     cut_off: Option<Box<CutOff>>,
 }
 
@@ -70,6 +73,7 @@ impl Run {
                 presences: Vec::new(),
                 waiting_steps: Vec::new(),
                 left_road: Vec::new(),
+                outlasted: Vec::new(),
                 wall_time: Duration::ZERO,
                 cut_off: (!self.open.is_empty())
                     .then(|| Box::new(CutOff { open: open.collect(), ..CutOff::default() })),
@@ -86,6 +90,7 @@ impl Run {
             presences: record.presences,
             waiting_steps: record.waiting_steps,
             left_road: record.left_road,
+            outlasted: record.outlasted,
             cut_off: record.cut_off,
             fingerprint: self.fingerprint,
             wall_time: record.wall_time,
@@ -100,14 +105,14 @@ pub(super) fn judged(
     findings: Vec<Finding>,
     stopping: Option<RunsTaken>,
     horizon: Option<Horizon>,
-    (never_began, left_road): (Vec<WaitingStep>, Vec<LeftRoad>),
+    (never_began, left_road, outlasted): (Vec<WaitingStep>, Vec<LeftRoad>, Vec<OutlastedRuns>),
 ) -> Result<TrialVerdict, ResultsError> {
     let worst = findings.iter().map(|finding| finding.verdict).max().unwrap_or(Verdict::Passed);
     if !says(verdict, worst) {
         let what = format!("its verdict is `{verdict}`, and the worst of its findings is another");
         return Err(contradiction(key, what));
     }
-    Ok(TrialVerdict { verdict: worst, findings, stopping, horizon, never_began, left_road })
+    Ok(TrialVerdict { verdict: worst, findings, stopping, horizon, never_began, left_road, outlasted })
 }
 
 /// What became of a gate, whose verdict has to be that of its result.

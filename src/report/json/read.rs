@@ -12,9 +12,9 @@ use super::parts::{FaultOfRun, Run, faults, gate_state, judged, says};
 use super::verify::verified;
 use results::{
     BlockReport, BlockResult, BlockState, Chosen, Cut, Finding, GateReport, GateVerdict, Horizon, LeftRoad,
-    NotJudged, NotRated, Outcome, PeopleUsed, Program, RatingReport, RatingResult, RatingState, Recorded,
-    RecordedReport, RecordedState, Recording, Refusal, Requests, Results, RunsTaken, Skip, SuiteIdentity,
-    SuiteReport, TestedController, TrialReport, TrialState, UnitError, WaitingStep,
+    NotJudged, NotRated, Outcome, OutlastedRuns, PeopleUsed, Program, RatingReport, RatingResult,
+    RatingState, Recorded, RecordedReport, RecordedState, Recording, Refusal, Requests, Results, RunsTaken,
+    Skip, SuiteIdentity, SuiteReport, TestedController, TrialReport, TrialState, UnitError, WaitingStep,
 };
 use scenario::registry::Registry;
 use scenario::{Block, Gate, Rating, Trial};
@@ -126,6 +126,8 @@ struct TrialOfSuite {
     never_began: Vec<WaitingStep>,
     #[serde(default)]
     left_road: Vec<LeftRoad>,
+    #[serde(default)]
+    outlasted: Vec<OutlastedRuns>,
     #[serde(default)]
     faults: Vec<FaultOfRun>,
     runs: Vec<Run>,
@@ -261,7 +263,7 @@ impl TrialOfSuite {
             ("not_finished", _, Some(cut), None) => TrialState::NotFinished(cut),
             ("skipped", _, None, Some(skip)) => TrialState::Skipped(skip),
             (verdict, None, None, None) => {
-                let otherwise = (self.never_began, self.left_road);
+                let otherwise = (self.never_began, self.left_road, self.outlasted);
                 TrialState::Judged(judged(
                     &trial.key,
                     verdict,

@@ -3,7 +3,7 @@
 use super::confidence::{self, Bounds};
 use super::horizon;
 use super::nearest::nearest;
-use super::not_as_declared::{left_road, never_began};
+use super::not_as_declared::{left_road, never_began, outlasted};
 use super::overlap;
 use super::possible::bounded_above;
 use super::seen::{Evidence, Seen};
@@ -38,7 +38,8 @@ impl TrialVerdict {
         let verdict = findings.iter().map(|finding| finding.verdict).max().unwrap_or(Verdict::Passed);
         let never_began = never_began(outcomes);
         let left_road = left_road(criteria, outcomes);
-        Self { verdict, findings, stopping: None, horizon, never_began, left_road }
+        let outlasted = outlasted(outcomes);
+        Self { verdict, findings, stopping: None, horizon, never_began, left_road, outlasted }
     }
 }
 

@@ -79,12 +79,13 @@ pub(super) fn cut_off_of(reference: &MetricReference, outcome: &Outcome) -> bool
     let Some(metric) = reference.known() else { return false };
     let is_extreme = EXTREMES.contains(&reference.name());
     let of_vehicle = metric.scope == Scope::Vehicle;
-    let meets =
-        matches!(metric.scope, Scope::Pair | Scope::Contact | Scope::Vehicles) || (of_vehicle && is_extreme);
+    let meets = matches!(metric.scope, Scope::Pair | Scope::Stream | Scope::Contact | Scope::Vehicles)
+        || (of_vehicle && is_extreme);
     let concerns = |one: &str, two: &str| {
-        reference.pair.as_ref().is_none_or(|(car, other)| {
-            (car == one && (of_vehicle || reference.is_of(two)))
-                || (car == two && (of_vehicle || (!other.is_empty() && reference.is_of(one))))
+        reference.pair.as_ref().is_none_or(|(_, other)| {
+            let is_named = |name: &str| reference.is_of_vehicle(name);
+            (is_named(one) && (of_vehicle || reference.is_of(two)))
+                || (is_named(two) && (of_vehicle || (!other.is_empty() && reference.is_of(one))))
         })
     };
     let mut courses = cut_off.on_course.iter();
@@ -166,6 +167,7 @@ mod tests {
                 presences: Vec::new(),
                 waiting_steps: Vec::new(),
                 left_road: Vec::new(),
+                outlasted: Vec::new(),
                 cut_off: open.map(cut_off),
                 fingerprint: 0,
                 wall_time: Duration::ZERO,
@@ -264,6 +266,7 @@ mod tests {
                     presences: Vec::new(),
                     waiting_steps: Vec::new(),
                     left_road: Vec::new(),
+                    outlasted: Vec::new(),
                     cut_off: late.then(|| cut_off(Open::at_least(horizon))),
                     fingerprint: 0,
                     wall_time: Duration::ZERO,

@@ -1,6 +1,7 @@
-//! What went otherwise than a scenario declares, whatever its criteria say: steps of scripts that never began, vehicles that left the road.
+//! What went otherwise than a scenario declares, whatever its criteria say: steps of scripts that never began, vehicles that left the road, streams that
+//! were over before somebody went.
 
-use crate::{LeftRoad, Outcome, WaitingStep};
+use crate::{LeftRoad, Outcome, OutlastedRuns, WaitingStep};
 use scenario::Criterion;
 
 /// The steps of scripts that began in no run.
@@ -23,6 +24,18 @@ pub(super) fn left_road(criteria: &[Criterion], outcomes: &[Outcome]) -> Vec<Lef
         match found.iter_mut().find(|known| known.vehicle == *vehicle) {
             Some(known) => known.runs += 1,
             None => found.push(LeftRoad { vehicle: vehicle.clone(), runs: 1, of: outcomes.len() }),
+        }
+    }
+    found
+}
+
+/// The streams whose last vehicle had passed before somebody went across.
+pub(super) fn outlasted(outcomes: &[Outcome]) -> Vec<OutlastedRuns> {
+    let mut found: Vec<OutlastedRuns> = Vec::new();
+    for outlasted in outcomes.iter().flat_map(|outcome| &outcome.outlasted) {
+        match found.iter_mut().find(|known| known.outlasted == *outlasted) {
+            Some(known) => known.runs += 1,
+            None => found.push(OutlastedRuns { outlasted: outlasted.clone(), runs: 1, of: outcomes.len() }),
         }
     }
     found

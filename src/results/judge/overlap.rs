@@ -43,10 +43,12 @@ fn is_area(reference: &MetricReference) -> bool {
 
 /// Whether the pair of which the time between bodies is the smallest is one that a reference is about.
 fn is_about(reference: &MetricReference, outcome: &Outcome, area: usize) -> bool {
-    let Some((vehicle, _)) = &reference.pair else { return true };
+    if reference.pair.is_none() {
+        return true;
+    }
     match outcome.critical.get(area) {
         Some(critical) => {
-            critical.vehicle.as_deref() == Some(vehicle)
+            critical.vehicle.as_deref().is_some_and(|name| reference.is_of_vehicle(name))
                 && critical.pedestrian.as_deref().is_some_and(|name| reference.is_of(name))
         }
         None => outcome.presences.len() == 1,

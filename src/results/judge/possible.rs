@@ -102,7 +102,10 @@ impl<'c> Limits<'c> {
             low,
             high,
             always_there: metric.absence == Absence::Open && (of_one || is_word),
-            can_be_open: is_time || is_word || metric.kind == MetricKind::Flag,
+            can_be_open: is_time
+                || is_word
+                || metric.kind == MetricKind::Flag
+                || metric.scope == Scope::Stream,
             most_open: match metric.limits(&reference.settings, f64::INFINITY) {
                 Some((_, most)) if is_time => most,
                 None if is_time => f64::INFINITY,

@@ -197,14 +197,14 @@ fn run<'o>(
         return Err(format!("{key} was cut off at {seconds} s, before `{label}` was decided"));
     }
     let metric = measure.known();
-    if value.is_none() && metric.is_some_and(|metric| matches!(metric.scope, Scope::Pair | Scope::Contact)) {
+    if value.is_none()
+        && metric.is_some_and(|metric| matches!(metric.scope, Scope::Pair | Scope::Stream | Scope::Contact))
+    {
         if outcome.ending.reason == StopReason::Collision {
             return Err(format!("a contact ended {key} of which `{label}` says nothing"));
         }
-        let concerned = |one: &&crate::Unfinished| {
-            let vehicle = measure.pair.as_ref().map(|(vehicle, _)| vehicle);
-            vehicle.is_none_or(|vehicle| *one.vehicle == **vehicle && measure.is_of(&one.pedestrian))
-        };
+        let concerned =
+            |one: &&crate::Unfinished| measure.is_of_vehicle(&one.vehicle) && measure.is_of(&one.pedestrian);
         if let Some(one) = outcome.cut_off.iter().flat_map(|cut_off| &cut_off.unfinished).find(concerned) {
             let (vehicle, pedestrian, seconds) =
                 (&one.vehicle, &one.pedestrian, significant(outcome.ending.time, 4));

@@ -253,6 +253,7 @@ mod tests {
             presences: Vec::new(),
             waiting_steps: Vec::new(),
             left_road: Vec::new(),
+            outlasted: Vec::new(),
             cut_off: run.is_cut_off.then(|| Box::new(cut_off)),
             fingerprint: 0,
             wall_time: Duration::ZERO,

@@ -8,7 +8,7 @@ use crate::{
     Verdict,
 };
 use scenario::{
-    Aggregate, Claim, Comparison, Criterion, Expression, MetricReference, Scope, Stake, constant,
+    Aggregate, Claim, Comparison, Criterion, Expression, MetricReference, Scope, Stake, Stream, constant,
 };
 use sim::measure::{Closeness, MEETING_TIME, Presence};
 
@@ -156,7 +156,8 @@ impl<'a> AtStake<'a> {
             Needs::Nothing => None,
             Needs::Motion(vehicles) => {
                 let moved = any(&|outcome| has_moved(vehicles, outcome));
-                (!moved).then(|| Untested::NoMotion { vehicle: only(vehicles) })
+                let vehicle = || self.reference.stream().map(Arc::from).or_else(|| only(vehicles));
+                (!moved).then(|| Untested::NoMotion { vehicle: vehicle() })
             }
             Needs::Value => (!any(&|outcome| self.has_value(outcome))).then_some(Untested::NoValue),
             Needs::Pairs(pairs) => {
@@ -212,7 +213,8 @@ impl<'a> AtStake<'a> {
             pair.vehicles.iter().filter_map(|vehicle| outcome.presence(vehicle, &pair.other))
         });
         let closest = presences.map(|presence| presence.closest).max().unwrap_or_default();
-        UntestedPair { vehicle: only(&pair.vehicles), other: pair.other.clone(), closest }
+        let vehicle = self.reference.stream().map(Arc::from).or_else(|| only(&pair.vehicles));
+        UntestedPair { vehicle, other: pair.other.clone(), closest }
     }
 }
 
@@ -232,7 +234,7 @@ fn needs(reference: &MetricReference, outcomes: &[&Outcome]) -> Needs {
         }
     }
     let named = reference.pair.as_ref().map(|(vehicle, _)| vehicle.as_str());
-    let covered = || vehicles.iter().filter(|name| named.is_none_or(|one| *one == ***name)).cloned();
+    let covered = || vehicles.iter().filter(|name| reference.is_of_vehicle(name)).cloned();
     let of_each = |vehicles: Vec<Arc<str>>| {
         let meant = people.iter().filter(|name| reference.is_of(name));
         meant.map(|name| Pair { vehicles: vehicles.clone(), other: name.clone() }).collect()
@@ -243,6 +245,10 @@ fn needs(reference: &MetricReference, outcomes: &[&Outcome]) -> Needs {
         Scope::Vehicle if people.is_empty() => Needs::Nothing,
         Scope::Vehicle => Needs::Motion(covered().collect()),
         Scope::Pedestrian => Needs::Pairs(of_each(vehicles)),
+        // Of streams that it does not name, those of which vehicles have a number.
+        Scope::Stream => {
+            Needs::Pairs(of_each(covered().filter(|name| Stream::of_member(name).is_some()).collect()))
+        }
         Scope::Pair | Scope::Contact | Scope::Vehicles => match pairs().find(of_vehicles) {
             Some(pair) => {
                 Needs::Pairs(vec![Pair { vehicles: vec![pair.vehicle.clone()], other: pair.other.clone() }])
@@ -275,9 +281,8 @@ fn has_moved(vehicles: &[Arc<str>], outcome: &Outcome) -> bool {
 
 /// Whether the vehicle passed the pedestrian in a run, and a claim about the pair says which of them goes first.
 fn is_excused(pair: &Pair, outcome: &Outcome, orders: &[&MetricReference]) -> bool {
-    let is_about = |order: &&&MetricReference, vehicle: &str| {
-        order.pair.as_ref().is_none_or(|(named, _)| named == vehicle) && order.is_of(&pair.other)
-    };
+    let is_about =
+        |order: &&&MetricReference, vehicle: &str| order.is_of_vehicle(vehicle) && order.is_of(&pair.other);
     pair.vehicles.iter().any(|vehicle| {
         let passed = outcome.presence(vehicle, &pair.other).is_some_and(|presence| presence.passed);
         passed && orders.iter().any(|order| is_about(&order, vehicle))
@@ -297,7 +302,12 @@ fn named_instead(why: Untested, stake: &AtStake, criterion: &Criterion) -> Untes
             let alone = Pair { vehicles: vec![(*vehicle).clone()], other: pair.other.clone() };
             stake.outcomes.iter().any(|outcome| stake.is_tested(&alone, outcome))
         })?;
-        Some((vehicle.to_string(), pair.other.to_string()))
+        // What is said of a stream stays said of it.
+        let stream = match stake.reference.known().map(|metric| metric.scope) {
+            Some(Scope::Stream) => Stream::of_member(vehicle).map(|(stream, _)| stream),
+            _ => stake.reference.stream(),
+        };
+        Some((stream.unwrap_or(vehicle).to_string(), pair.other.to_string()))
     };
     let tested = all.iter().filter(|pair| !is_open(pair)).find_map(find);
     let instead = tested.map(|pair| {
@@ -356,6 +366,7 @@ mod tests {
             presences: pairs.iter().map(presence).collect(),
             waiting_steps: Vec::new(),
             left_road: Vec::new(),
+            outlasted: Vec::new(),
             cut_off: Default::default(),
             fingerprint: 0,
             wall_time: Duration::ZERO,
@@ -489,6 +500,102 @@ mod tests {
         assert_eq!(tested(&criteria, Some(1.0), &[&pair(Closeness::Together)]), [true, true]);
         // Boxes never count.
         assert_eq!(tested(&[criterion("collision", Some(("av", "parked")))], Some(1.0), &[&[STAYS]]), [true]);
+    }
+
+    /// A metric of a stream, or of any of its vehicles, and the walker.
+    fn of_stream(name: &str, stream: &str) -> Criterion {
+        let mut criterion = criterion(name, Some((stream, "walker")));
+        criterion.claim.metric_mut().of_stream = true;
+        criterion
+    }
+
+    #[test]
+    fn a_stream_is_put_to_the_test_by_any_of_its_vehicles_and_by_no_other() {
+        let apart = ("cars_1", "walker", Closeness::Apart, true, false);
+        let together = ("cars_12", "walker", Closeness::Together, true, false);
+        let met = ("cars_3", "walker", Closeness::Met, true, false);
+        let other = ("vans_1", "walker", Closeness::Met, true, false);
+        let gap = of_stream("gap_taken", "cars");
+        assert_eq!(tested(&[gap.clone()], Some(3.0), &[&[apart, other]]), [false]);
+        assert_eq!(tested(&[gap.clone()], Some(3.0), &[&[apart, together, other]]), [true]);
+        // In one run there are more vehicles than in another.
+        assert_eq!(tested(&[gap.clone()], Some(3.0), &[&[apart], &[apart, together]]), [true]);
+        let finding = &judged(&[gap], Some(3.0), &[&[apart, other]])[0];
+        let Some(Untested::Pairs { pairs, .. }) = &finding.untested else { panic!("{finding:?}") };
+        assert_eq!(pairs[0].vehicle.as_deref(), Some("cars"));
+        // A contact with any of its vehicles.
+        let contact = of_stream("collision", "cars");
+        assert_eq!(tested(&[contact.clone()], Some(1.0), &[&[apart, together, other]]), [false]);
+        assert_eq!(tested(&[contact], Some(1.0), &[&[apart, met]]), [true]);
+        // A vehicle of this name has nothing to do with those that are numbered.
+        let car = criterion("collision", Some(("cars", "walker")));
+        assert_eq!(
+            tested(&[car], Some(1.0), &[&[("cars", "walker", Closeness::Apart, true, false), met]]),
+            [false]
+        );
+        // Where no stream is named, only vehicles with a number count.
+        let any = criterion("gap_taken", None);
+        let single = ("av", "walker", Closeness::Met, true, false);
+        assert_eq!(tested(&[any.clone()], Some(3.0), &[&[single, apart]]), [false]);
+        assert_eq!(tested(&[any.clone()], Some(3.0), &[&[single, other]]), [true]);
+        // What to write instead is about the stream.
+        let both = [together, ("cars_12", "child", Closeness::Apart, true, false)];
+        let finding = &judged(&[any], Some(3.0), &[&both])[0];
+        let Some(Untested::Pairs { instead, .. }) = &finding.untested else { panic!("{finding:?}") };
+        assert_eq!(instead.as_deref(), Some("gap_taken(cars, walker) > 0.5"));
+    }
+
+    #[test]
+    fn who_never_goes_has_not_missed_few_gaps() {
+        let missed = |aggregate: Option<fn(MetricReference) -> Aggregate>, relation, bound: f64| {
+            let mut criterion = of_stream("gaps_missed", "cars");
+            let metric = criterion.claim.metric().clone();
+            let (bound, when_undefined) = (bound.into(), WhenUndefined::AsDeclared);
+            criterion.claim = match aggregate {
+                None => Claim::Runs {
+                    comparison: Comparison { metric, relation, bound, when_undefined },
+                    share: None,
+                    confidence: None,
+                },
+                Some(aggregate) => Claim::Aggregate {
+                    aggregate: aggregate(metric),
+                    relation,
+                    bound,
+                    when_undefined,
+                    confidence: None,
+                },
+            };
+            criterion
+        };
+        let seen = [("cars_2", "walker", Closeness::Together, true, true)];
+        let criteria = [
+            missed(None, Relation::LessOrEqual, 3.0),
+            missed(None, Relation::GreaterOrEqual, 1.0),
+            missed(None, Relation::GreaterOrEqual, 5.0),
+            missed(Some(Aggregate::Mean), Relation::LessOrEqual, 3.0),
+            missed(Some(Aggregate::Max), Relation::LessOrEqual, 3.0),
+        ];
+        let mut requests = Requests::default();
+        requests.include(&criteria);
+        let verdicts = |changed: &dyn Fn(&mut Outcome)| {
+            let mut outcomes = [1.0, 2.0].map(|value| outcome(&requests, Some(value), &seen));
+            changed(&mut outcomes[1]);
+            judge(&criteria, &outcomes, &requests).findings.iter().map(|one| one.verdict).collect::<Vec<_>>()
+        };
+        use Verdict::{Failed, Passed};
+        assert_eq!(verdicts(&|_| ()), [Passed, Passed, Failed, Passed, Passed]);
+        // It waited when time was up, and two gaps had gone by: it has missed at least these.
+        let waits = |outcome: &mut Outcome| {
+            outcome.metrics = vec![None];
+            outcome.ending.reason = StopReason::Horizon;
+            let open = [Some(sim::measure::Open::at_least(2.0))].into_iter().collect();
+            outcome.cut_off = Some(Box::new(crate::CutOff { open, ..Default::default() }));
+        };
+        let found = verdicts(&waits);
+        assert_eq!(found[..3], [Failed, Passed, Failed]);
+        assert!(found[3..].iter().all(|verdict| *verdict != Passed), "{found:?}");
+        // Hit, or after the last vehicle: neither few nor many.
+        assert_eq!(verdicts(&|outcome| outcome.metrics = vec![None])[..3], [Failed, Failed, Failed]);
     }
 
     #[test]

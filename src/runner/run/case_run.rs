@@ -6,7 +6,7 @@ use std::time::Instant;
 use super::build::{RunError, road_users};
 use super::cut_off::cut_off;
 use super::name::shared;
-use results::{ByMetric, Critical, CutOff, Outcome, PairPresence, Requests, WaitingStep};
+use results::{ByMetric, Critical, CutOff, Outcome, Outlasted, PairPresence, Requests, WaitingStep};
 use scenario::{Case, World};
 use sim::measure::{FreeFlow, Measurement, Presence, Reading};
 use sim::{
@@ -103,6 +103,7 @@ impl RunningCase {
             presences: presences(&case.world, &vehicles, &seen.measurement),
             waiting_steps,
             left_road: names_of(&vehicles, seen.measurement.left_road()),
+            outlasted: outlasted(&case.world, &pedestrians, &seen.measurement),
             cut_off: cut_off.filter(|cut_off| *cut_off != CutOff::default()).map(Box::new),
             fingerprint: seen.fingerprint.value(),
             wall_time: begun.elapsed(),
@@ -131,6 +132,15 @@ fn presences(world: &World, vehicles: &[Arc<str>], measurement: &Measurement) ->
     measurement.presences().into_iter().map(named).collect()
 }
 
+/// Streams that were over before somebody went across.
+fn outlasted(world: &World, pedestrians: &[Arc<str>], measurement: &Measurement) -> Vec<Outlasted> {
+    let named = |(stream, pedestrian): (usize, usize)| Outlasted {
+        stream: shared(&world.streams[stream].name),
+        pedestrian: pedestrians[pedestrian].clone(),
+    };
+    measurement.outlasted().map(named).collect()
+}
+
 /// When and for whom the readings are what they are.
 fn critical(
     world: &World,
@@ -140,9 +150,10 @@ fn critical(
 ) -> ByMetric<Critical> {
     let of = |reading: &Reading| {
         let worst = reading.worst?;
+        let stream = || worst.stream.map(|index| shared(&world.streams[index].name));
         Some(Critical {
             time: worst.instant,
-            vehicle: worst.vehicle.map(|index| vehicles[index].clone()),
+            vehicle: worst.vehicle.map(|index| vehicles[index].clone()).or_else(stream),
             pedestrian: worst.pedestrian.map(|index| pedestrians[index].clone()),
             other: worst.other.map(|other| shared(other.name(world))),
         })

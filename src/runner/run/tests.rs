@@ -229,6 +229,7 @@ fn outcome(case: &Case) -> Outcome {
         presences: Vec::new(),
         waiting_steps: Vec::new(),
         left_road: Vec::new(),
+        outlasted: Vec::new(),
         cut_off: Default::default(),
         fingerprint: 0,
         wall_time: Duration::ZERO,

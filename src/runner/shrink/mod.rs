@@ -216,6 +216,7 @@ fn leave_out(shrunk: &mut Shrunk, trials: &mut Trials) {
     let named = |name: &str| {
         let pair = metric.pair.as_ref();
         pair.is_some_and(|(car, other)| car == name || other == name)
+            || (pair.is_some() && metric.is_of_vehicle(name))
             || metric.several.iter().any(|one| one == name)
     };
     let cars = shrunk.place.scenario.vehicles.iter().map(|car| car.name.clone());

@@ -64,7 +64,8 @@ pub struct Encounter {
     in_strip: bool,
     /// The first time that the pedestrian's centre enters the lane from its own side, or appears in it.
     pub first_entry: Option<Entry>,
-    last_entry: Option<f64>,
+    /// The last time that it does, s.
+    pub last_entry: Option<f64>,
     /// The crossing of the lane that was carried through.
     pub crossing: Option<LaneCrossing>,
     /// `None` where nobody asks.
@@ -348,6 +349,11 @@ impl Encounter {
     /// If no meter asked for it by [`MetricContext::look_ahead`](super::MetricContext::look_ahead).
     pub fn time_to_collision(&self) -> Option<f64> {
         self.ahead.as_ref().expect("whoever reads times to collision has asked for them").time
+    }
+
+    /// Whether the pedestrian's centre was in the lane at the end of the last step in which they were there.
+    pub fn is_in_lane(&self) -> bool {
+        self.places.is_some_and(|(_, place)| place.beside.abs() < self.half_lane)
     }
 
     /// The last passing of the line if it is the one that the pedestrian carried through.

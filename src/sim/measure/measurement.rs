@@ -5,6 +5,7 @@ use std::cell::RefCell;
 use super::encounter::Encounters;
 use super::followed::Followed;
 use super::presence::Presence;
+use super::stream_way::StreamWay;
 use super::{Absence, BuildMeter, End, FreeFlow, InStep, Meter, MetricContext, Open, Scope, Worst};
 use crate::{Ending, Observer, Snapshot, Solid, Step, StopReason};
 use scenario::{MetricReference, World};
@@ -15,6 +16,8 @@ pub struct Measurement {
     /// Request by request.
     meters: Vec<Box<dyn Meter>>,
     requests: Vec<Request>,
+    /// Of each stream and each pedestrian, by their indices.
+    stream_ways: Vec<((usize, usize), StreamWay)>,
     /// When and in which state the run ended before everybody had arrived.
     cut_off: Option<(f64, Snapshot)>,
     /// Whether that was because somebody touched: for them everything is decided.
@@ -35,8 +38,10 @@ pub struct Reading {
 /// A metric of one pair, vehicle or pedestrian.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SubjectValue {
-    /// Its index in [`World::vehicles`]; `None` for a metric of pedestrians.
+    /// Its index in [`World::vehicles`]; `None` for a metric of pedestrians or of streams.
     pub vehicle: Option<usize>,
+    /// Its index in [`World::streams`], for a metric of streams.
+    pub stream: Option<usize>,
     /// Their index in [`World::pedestrians`]; `None` for a metric of vehicles.
     pub pedestrian: Option<usize>,
     /// What the vehicle touches, where that is no pedestrian.
@@ -49,8 +54,13 @@ pub struct SubjectValue {
     pub open: Option<Open>,
 }
 
-/// Whom a metric is measured for: the index of a vehicle, and with whom or what, or a pedestrian alone.
-type Subject = (Option<usize>, Option<Solid>);
+/// Whom a metric is measured for: a vehicle or a stream, by their indices, and with whom or what; or a pedestrian alone.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Subject {
+    vehicle: Option<usize>,
+    stream: Option<usize>,
+    with: Option<Solid>,
+}
 
 struct Request {
     worst: Worst,
@@ -79,12 +89,13 @@ impl Measurement {
             if let Some(pair) = named_vehicles(reference, world) {
                 followed.borrow_mut().vehicle_pair(pair);
             }
-            meters.extend(concerned.iter().map(|(vehicle, with)| {
+            meters.extend(concerned.iter().map(|Subject { vehicle, stream, with }| {
                 let pedestrian = pedestrian(*with);
                 build(&MetricContext {
                     settings: &settings,
                     world,
                     vehicle: vehicle.unwrap_or(0),
+                    stream: stream.unwrap_or(0),
                     pedestrian: pedestrian.unwrap_or(0),
                     with: *with,
                     free_flow: vehicle.and_then(|index| free_flows.get(index).copied()),
@@ -96,7 +107,10 @@ impl Measurement {
         };
         let requests = requests.iter().map(request).collect();
         let encounters = Encounters::new(world, followed.into_inner());
-        Self { encounters, meters, requests, cut_off: None, contact: false }
+        let people = world.pedestrians.len();
+        let pairs = (0..world.streams.len()).flat_map(|stream| (0..people).map(move |one| (stream, one)));
+        let stream_ways = pairs.map(|pair| (pair, StreamWay::new(world, pair.0, pair.1))).collect();
+        Self { encounters, meters, requests, stream_ways, cut_off: None, contact: false }
     }
 
     /// The worst value of every request, in order.
@@ -130,7 +144,7 @@ impl Measurement {
 
     /// Whether a pair has touched, or a vehicle or pedestrian anything.
     fn has_touched(&self, subject: Subject) -> bool {
-        match subject {
+        match (subject.vehicle, subject.with) {
             (Some(vehicle), Some(with)) => self.touched(vehicle, with),
             (Some(vehicle), None) => self.encounters.has_touched(vehicle),
             (None, Some(Solid::Pedestrian(person))) => self.encounters.was_hit(person),
@@ -141,6 +155,12 @@ impl Measurement {
     /// Whether a vehicle and something else have touched.
     pub fn touched(&self, vehicle: usize, with: Solid) -> bool {
         self.encounters.contact(vehicle, with).is_some()
+    }
+
+    /// The streams and pedestrians of which the last vehicle had passed before the pedestrian went, by their indices.
+    pub fn outlasted(&self) -> impl Iterator<Item = (usize, usize)> {
+        let ended = self.stream_ways.iter().filter(|(_, way)| way.is_outlasted(&self.encounters));
+        ended.map(|(pair, _)| *pair)
     }
 
     /// The indices of the vehicles whose bodies left their carriageways.
@@ -173,13 +193,14 @@ impl Request {
             .subjects
             .iter()
             .zip(meters)
-            .map(|((vehicle, with), meter)| SubjectValue {
-                vehicle: *vehicle,
-                pedestrian: pedestrian(*with),
-                other: with.filter(|with| !matches!(with, Solid::Pedestrian(_))),
+            .map(|(subject, meter)| SubjectValue {
+                vehicle: subject.vehicle,
+                stream: subject.stream,
+                pedestrian: pedestrian(subject.with),
+                other: subject.with.filter(|with| !matches!(with, Solid::Pedestrian(_))),
                 value: meter.value(encounters),
                 instant: meter.instant(encounters),
-                open: end.filter(|_| is_open((*vehicle, *with))).and_then(|end| meter.open(encounters, end)),
+                open: end.filter(|_| is_open(*subject)).and_then(|end| meter.open(encounters, end)),
             })
             .collect();
         let badness = |subject: &SubjectValue| {
@@ -260,10 +281,13 @@ fn pedestrian(with: Option<Solid>) -> Option<usize> {
 
 /// Whom a metric is measured for in a world.
 fn subjects(scope: Scope, world: &World) -> impl Iterator<Item = Subject> {
-    let vehicles: Vec<Option<usize>> = match scope {
-        Scope::Pedestrian => vec![None],
+    let vehicle = |index| Subject { vehicle: Some(index), stream: None, with: None };
+    let stream = |index| Subject { vehicle: None, stream: Some(index), with: None };
+    let whose: Vec<Subject> = match scope {
+        Scope::Pedestrian => vec![Subject { vehicle: None, stream: None, with: None }],
+        Scope::Stream => (0..world.streams.len()).map(stream).collect(),
         Scope::Pair | Scope::Vehicle | Scope::Vehicles | Scope::Contact => {
-            (0..world.vehicles.len()).map(Some).collect()
+            (0..world.vehicles.len()).map(vehicle).collect()
         }
     };
     let with = move |vehicle: Option<usize>| -> Vec<Option<Solid>> {
@@ -271,7 +295,7 @@ fn subjects(scope: Scope, world: &World) -> impl Iterator<Item = Subject> {
         let cars = (0..world.vehicles.len()).filter(|other| Some(*other) != vehicle).map(Solid::Vehicle);
         match scope {
             Scope::Vehicle => vec![None],
-            Scope::Pair | Scope::Pedestrian => people.map(Some).collect(),
+            Scope::Pair | Scope::Stream | Scope::Pedestrian => people.map(Some).collect(),
             Scope::Vehicles => cars.map(Some).collect(),
             Scope::Contact => {
                 let boxes = (0..world.road.boxes.len()).map(Solid::Box);
@@ -281,7 +305,9 @@ fn subjects(scope: Scope, world: &World) -> impl Iterator<Item = Subject> {
             }
         }
     };
-    vehicles.into_iter().flat_map(move |vehicle| with(vehicle).into_iter().map(move |with| (vehicle, with)))
+    whose
+        .into_iter()
+        .flat_map(move |one| with(one.vehicle).into_iter().map(move |with| Subject { with, ..one }))
 }
 
 /// The two vehicles that a reference names together.
@@ -291,9 +317,13 @@ fn named_vehicles(reference: &MetricReference, world: &World) -> Option<(usize, 
     Some((index(one)?, index(other)?))
 }
 
-fn concerns(reference: &MetricReference, world: &World, (vehicle, with): Subject) -> bool {
-    reference.pair.as_ref().is_none_or(|(car, _)| {
-        vehicle.is_none_or(|index| world.vehicles[index].name == *car)
-            && with.is_none_or(|with| reference.is_of(with.name(world)))
+fn concerns(reference: &MetricReference, world: &World, subject: Subject) -> bool {
+    reference.pair.as_ref().is_none_or(|(first, _)| {
+        let of_stream = |index: usize| {
+            world.streams.iter().any(|stream| stream.name == *first && stream.vehicles.contains(&index))
+        };
+        subject.vehicle.is_none_or(|index| world.vehicles[index].name == *first || of_stream(index))
+            && subject.stream.is_none_or(|index| world.streams[index].name == *first)
+            && subject.with.is_none_or(|with| reference.is_of(with.name(world)))
     })
 }

@@ -14,6 +14,7 @@ mod presence;
 mod sliding;
 mod speed_drop;
 mod steered_pair;
+mod stream_way;
 mod vehicle_pair;
 
 use std::cell::RefCell;
@@ -36,6 +37,7 @@ pub use measurement::{Measurement, Reading, SubjectValue};
 pub use passage::{Passage, Reached};
 pub use presence::{Closeness, MEETING_TIME, Presence};
 pub use speed_drop::SpeedDrop;
+pub use stream_way::{Slot, StreamWay};
 
 /// Builds the meter of one subject.
 type BuildMeter = Box<dyn Fn(&MetricContext) -> Box<dyn Meter> + Send + Sync>;
@@ -45,7 +47,7 @@ pub fn meters(build: impl Fn(&MetricContext) -> Box<dyn Meter> + Send + Sync + '
     Meters::new::<BuildMeter>(Box::new(build))
 }
 
-/// Reads one metric for one subject (a pair, a vehicle or a pedestrian) off a run.
+/// Reads one metric for one subject (a pair, a stream and a pedestrian, a vehicle or a pedestrian) off a run.
 pub trait Meter: Send {
     /// Called after every step, once `encounters` knows of it. A run that ends on collision ends with a shorter step.
     fn observe(&mut self, _step: &Step, _encounters: &Encounters) {}
@@ -122,8 +124,10 @@ pub struct MetricContext<'a> {
     pub settings: &'a Settings,
     /// Everything that decides the run, but its seed.
     pub world: &'a World,
-    /// Index of the vehicle; 0 for a metric of pedestrians.
+    /// Index of the vehicle; 0 for a metric of pedestrians or of streams.
     pub vehicle: usize,
+    /// Index of the stream; 0 for a metric of anybody else.
+    pub stream: usize,
     /// Index of the pedestrian; 0 for a metric of vehicles.
     pub pedestrian: usize,
     /// Whom or what it is measured with, or the pedestrian that it is measured for.

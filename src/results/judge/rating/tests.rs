@@ -83,6 +83,7 @@ fn outcome(speed: Option<f64>) -> Outcome {
         }],
         waiting_steps: Vec::new(),
         left_road: Vec::new(),
+        outlasted: Vec::new(),
         cut_off: Default::default(),
         fingerprint: 0,
         wall_time: Duration::ZERO,

@@ -87,6 +87,7 @@ fn outcomes(values: impl IntoIterator<Item = Option<f64>>) -> Vec<Outcome> {
         presences: Vec::new(),
         waiting_steps: Vec::new(),
         left_road: Vec::new(),
+        outlasted: Vec::new(),
         cut_off: Default::default(),
         fingerprint: 0,
         wall_time: Duration::ZERO,

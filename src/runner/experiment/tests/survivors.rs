@@ -36,6 +36,7 @@ fn outcomes(context: &Context, came: &[Came]) -> Vec<Outcome> {
             presences: Vec::new(),
             waiting_steps: Vec::new(),
             left_road: Vec::new(),
+            outlasted: Vec::new(),
             cut_off: Some(Box::new(CutOff { open: (0..count).map(|_| open).collect(), ..CutOff::default() })),
             fingerprint: 0,
             wall_time: Duration::ZERO,

@@ -3,9 +3,7 @@
 use super::budget::{add_once, at};
 use crate::plan;
 use lang::{Code, Diagnostic, Sources};
-use scenario::{
-    Attention, ControllerModel, DeclaredVehicleStart, LooksAt, Origin, Scenario, SignalConduct, Suite, World,
-};
+use scenario::{Attention, ControllerModel, LooksAt, Origin, Scenario, SignalConduct, Suite, World};
 use sim::{path_conflicts, vehicles_ahead};
 
 /// A warning for every scenario in which a controller does not look at something that is in its way, and one for all scenarios with vehicles
@@ -70,8 +68,9 @@ fn is_concerned(scenario: &Scenario) -> bool {
         let all = [&car.controller.first].into_iter().chain(&car.controller.varied);
         all.filter_map(|reference| reference.entry())
     });
-    let has_stream = scenario.vehicles.iter().any(|car| matches!(car.start, DeclaredVehicleStart::Stream(_)));
-    has_stream || scenario.vehicles.len() > 1 || entries.into_iter().any(|entry| on_foot(entry))
+    scenario.streams().next().is_some()
+        || scenario.vehicles.len() > 1
+        || entries.into_iter().any(|entry| on_foot(entry))
 }
 
 /// What controllers do not look at in a scenario's trials, each thing once.

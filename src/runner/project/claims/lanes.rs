@@ -28,8 +28,9 @@ fn of_scenario(suite: &Suite, scenario: &Scenario, sources: &Sources) -> Vec<Dia
             let Some(car) = scenario.vehicle(driven) else { continue };
             let body = Solid::Box(index).name(&case.world);
             let named = scenario.criteria.iter().any(|criterion| {
-                let pair = criterion.claim.metric().pair.as_ref();
-                pair.is_some_and(|(who, with)| (*who == car.name || who == driven) && with == body)
+                let metric = criterion.claim.metric();
+                let with = metric.pair.as_ref().map(|(_, with)| with);
+                metric.is_of_vehicle(driven) && with.is_some_and(|with| with == body)
             });
             if named || known.contains(&(car.name.clone(), index)) {
                 continue;

@@ -39,8 +39,8 @@ fn of_scenario(suite: &Suite, scenario: &Scenario, sources: &Sources) -> Vec<Dia
 
 /// Whether a vehicle that a criterion is about reaches a signal that shows red to vehicles.
 fn has_signal(case: &Case, criterion: &Criterion) -> bool {
-    let named = criterion.claim.metric().pair.as_ref().map(|(vehicle, _)| vehicle);
-    let meant = case.world.vehicles.iter().filter(|car| named.is_none_or(|name| car.name == *name));
+    let metric = criterion.claim.metric();
+    let meant = case.world.vehicles.iter().filter(|car| metric.is_of_vehicle(&car.name));
     meant.into_iter().any(|car| {
         let mut crossings = case.world.road_of(car).crossings();
         crossings.any(|(_, crossing)| match crossing.kind {
