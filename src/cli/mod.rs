@@ -43,6 +43,7 @@ mod sketch;
 mod store;
 mod try_program;
 mod validate;
+mod validate_crosscdr;
 mod validate_population;
 mod watch;
 mod why;
@@ -217,7 +218,7 @@ fn obey(cli: Cli, registry: &Registry) -> Exit {
         Some(Command::Baseline(arguments)) => baseline::baseline(&arguments, registry),
         Some(Command::Compare(arguments)) => compare::compare(&arguments, registry),
         Some(Command::Calibrate(arguments)) => calibrate::run(&arguments, registry),
-        Some(Command::Validate(arguments)) => validate::run(&arguments),
+        Some(Command::Validate(arguments)) => validate::run(&arguments, registry),
         Some(Command::Replay(arguments)) => replay::replay(&arguments, registry),
         Some(Command::Why(arguments)) => why::why(&arguments, registry),
         Some(Command::Diff(arguments)) => diff::diff(&arguments, registry),

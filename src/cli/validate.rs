@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, Subcommand};
 
+use super::validate_crosscdr::{self, CrosscdrArguments};
 use super::validate_population::{self, SomeMembers};
 use super::{Exit, number};
 use models::calibrate::{
@@ -15,6 +16,7 @@ use models::pedestrian::commotions::hiker::{AS_PUBLISHED, HikerComparison, Hiker
 use models::pedestrian::commotions::meeting::Waiting;
 use report::console::{stderr, stdout};
 use scenario::population::HUMANS;
+use scenario::registry::Registry;
 
 #[derive(Debug, Args)]
 pub struct ValidateArguments {
@@ -88,6 +90,8 @@ enum What {
         #[arg(long, default_value_t = 20_261_121)]
         seed: u64,
     },
+    /// Populations and models in the street in which people chose a gap in two streams of cars, beside what people did there.
+    Crosscdr(CrosscdrArguments),
     /// The share of the published candidates of the default COMMOTIONS variant that calibration retains.
     Retention {
         /// The published individuals, `commotions_individuals.json`.
@@ -101,7 +105,7 @@ enum What {
     },
 }
 
-pub fn run(arguments: &ValidateArguments) -> Exit {
+pub fn run(arguments: &ValidateArguments, registry: &Registry) -> Exit {
     let result = match &arguments.what {
         What::Hiker { reference, repetitions, seed, population, persons, members, looking } => {
             match population.as_deref().zip(persons.as_deref()) {
@@ -120,6 +124,7 @@ pub fn run(arguments: &ValidateArguments) -> Exit {
             let who = (candidates.as_str(), *count);
             validate_population::laboratories(reference, persons, observations, who, (*repetitions, *seed))
         }
+        What::Crosscdr(arguments) => return validate_crosscdr::run(arguments, registry),
         What::Retention { individuals, candidates, seed } => retention(individuals, *candidates, *seed),
     };
     result.unwrap_or_else(|error| {

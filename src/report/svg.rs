@@ -53,6 +53,15 @@ impl Svg {
         self.push(format_args!("><title>{}</title></{name}>\n", Escaped(&title)));
     }
 
+    /// Another piece of SVG at a place, in a frame of a size.
+    pub fn frame(&mut self, (x, y): (f64, f64), (width, height): (f64, f64), piece: &str) {
+        let place = [("x", At(x)), ("y", At(y)), ("width", At(width)), ("height", At(height))];
+        let place: Vec<Attribute> = place.iter().map(|(name, at)| (*name, at as &dyn Display)).collect();
+        self.open("svg", &place);
+        self.text.push_str(piece);
+        self.close();
+    }
+
     pub fn finish(mut self) -> String {
         while !self.open.is_empty() {
             self.close();

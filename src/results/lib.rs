@@ -19,6 +19,7 @@ mod evaluate;
 mod event;
 mod finding;
 mod fingerprint;
+mod gap_choice;
 mod gate;
 pub mod judge;
 mod outcome;
@@ -74,6 +75,10 @@ pub use estimate::{
 pub use evaluate::{ConditionResult, Difference, EvaluateResult, ParameterValue, UntestedMeasures};
 pub use event::{Evaluations, Event, Reporter, Unheard, UnitReport, Workload};
 pub use finding::{Finding, FindingMeasure, Regarding, Untested, UntestedPair, WorstRun};
+pub use gap_choice::{
+    ALL_PEOPLE, ChosenGap, ChosenGaps, FittedTo, GapChoices, GapChooser, GapCondition, GapMeasure, GapUnit,
+    PEOPLE_GROUPS, PeopleAtGaps, PeopleNumber, PeopleNumbers,
+};
 pub use gate::{
     BlindPlace, Change, ChangedRun, Check, CheckOutcome, ComparedSubject, GateReport, GateState, GateVerdict,
     Looks, NotJudged, Power, Refusal, TrialChange,

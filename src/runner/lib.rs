@@ -12,6 +12,7 @@ pub mod baseline;
 pub mod corpus;
 pub mod diff;
 pub mod experiment;
+pub mod gap_choice;
 pub mod plan;
 pub mod project;
 pub mod run;

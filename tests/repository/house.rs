@@ -67,6 +67,7 @@ const ROOMS: [(&str, &[&str]); 8] = [
             "experiment",
             "diff",
             "project",
+            "gap_choice",
             "session",
             "shards",
             "watch",

@@ -97,6 +97,13 @@ impl Look {
         svg.finish()
     }
 
+    /// A small picture of the marker of people.
+    pub fn people_swatch(self) -> String {
+        let mut svg = framed();
+        svg.empty("path", &[("class", &"people"), ("d", &self.marker(14.0, 6.0))]);
+        svg.finish()
+    }
+
     /// A small picture of its band, as dark as so many bands on each other.
     pub fn band_swatch(self, layers: usize) -> String {
         self.area_swatch(layers, false)

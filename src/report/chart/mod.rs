@@ -11,7 +11,8 @@
 //! | metric against the value found for each individual | [`IndividualsChart`] |
 //!
 //! An optimiser's course is a [`Convergence`] (of many: [`Convergences`]), its surrogate a [`Slice`], two objectives
-//! against each other a [`Front`], how bad encounters are against how usual [`Danger`], a gate's differences a [`Forest`], numbers over two variations a [`Heat`], one run over time [`OverTime`] and, where it is about who is somewhere when, [`Spans`]. [`Rows`] are strips for many conditions or long names.
+//! against each other a [`Front`], how bad encounters are against how usual [`Danger`], a gate's differences a [`Forest`], numbers over two variations a [`Heat`], one run over time [`OverTime`] and, where it is about who is somewhere when, [`Spans`]. [`Rows`] are strips for many conditions or long names,
+//! [`PeopleShares`] what people did beside what others do. [`standalone`] makes a picture of charts.
 
 mod convergence;
 mod danger;
@@ -27,8 +28,10 @@ mod paths;
 mod rates;
 mod rows;
 mod scale;
+mod shares;
 mod slice;
 mod spans;
+mod standalone;
 mod strips;
 
 use crate::svg;
@@ -47,8 +50,10 @@ pub use paths::{ChartPath, Paths};
 pub use rates::{Rate, RateSeries, Rates};
 pub use rows::Rows;
 pub use scale::with_room;
+pub use shares::{PeopleShares, SHARE_LINES, ShareLine, SharePoint, ShareSeries};
 pub use slice::{Along, Belief, Slice, Tried};
 pub use spans::{Gap, SpanRow, Spans, TimeSpan};
+pub use standalone::standalone;
 pub use strips::{Dot, Strip, Strips, is_drawn};
 
 /// The rules that the classes in charts refer to; they rely on the custom properties of the page's own style sheet.

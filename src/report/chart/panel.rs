@@ -350,6 +350,16 @@ impl Panel {
         self.svg.empty("path", &[("class", &look.class("whisker")), ("d", &path)]);
     }
 
+    /// The marker of people in the colour of text, with a bar from `low` to `high`.
+    pub fn people(&mut self, x: f64, [low, middle, high]: [f64; 3], aside: f64, look: Look, title: &str) {
+        let (x, top) = self.place(x, high);
+        let (_, bottom) = self.place(0.0, low);
+        let (_, at) = self.place(0.0, middle);
+        let bar = format!("M{} {}V{}", At(x + aside), At(top), At(bottom));
+        self.svg.empty("path", &[("class", &"people-bar"), ("d", &bar)]);
+        self.svg.titled("path", title, &[("class", &"people"), ("d", &look.marker(x + aside, at))]);
+    }
+
     /// A box from `low` to `high` of a width in pixels, with a line at `middle`.
     pub fn quartiles(&mut self, x: f64, (low, middle, high): (f64, f64, f64), width: f64, title: &str) {
         let (x, top) = self.place(x, high);

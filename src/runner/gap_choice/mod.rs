@@ -1,0 +1,348 @@
+//! Populations and models in the street in which people chose a gap in two streams of cars, run by run as the scenario file has it.
+
+mod facts;
+mod shares;
+mod walk;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::str::FromStr;
+
+use thiserror::Error;
+
+use crate::project::{Problems, Project, ProjectOptions};
+use crate::run::{BatchError, Executor, RunBatch, Stop, Wanted};
+use files::{Files, Memory, ReadError};
+use lang::Override;
+use results::{ChosenGaps, FittedTo, GapChooser, GapCondition, PeopleAtGaps};
+use scenario::population::{Population, PopulationError, SHIPPED_MODEL, shipped};
+use scenario::registry::Registry;
+use scenario::{Case, Settings};
+use shares::{PersonsWalks, chosen_gaps};
+use walk::{GapMetrics, LOOKED_AT};
+
+pub use facts::{FactsError, read_people_at_gaps};
+
+/// What the file of the street is called where its runs are named.
+const STREET: &str = "crosscdr.scn";
+const WHO: &str = "gap_choice.scn";
+
+/// What only people of the experiment are called, in the provenance of a population that was fitted to them.
+const THESE_PEOPLE: [&str; 3] = ["crosscdr", "10.1109/iv55152.2023.10186635", "sprenger"];
+
+/// Gaps are told apart to this, s.
+const SAME: f64 = 1e-6;
+
+/// Who is put into the street.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Choosing {
+    /// Of a population: a name that ships, or a file.
+    Population(String),
+    /// A pedestrian model with its defaults.
+    Model(String),
+}
+
+/// Why nobody knows what somebody does in the street.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum GapChoiceError {
+    /// The file of a population cannot be read.
+    #[error("cannot read the population {file}: {error}")]
+    Read {
+        /// The file.
+        file: String,
+        /// Why not.
+        error: ReadError,
+    },
+    /// It is no population, or one of another model.
+    #[error(transparent)]
+    Population(#[from] PopulationError),
+    /// There is no such model.
+    #[error("there is no pedestrian model called `{name}`{}", nearest.as_ref().map_or_else(String::new, |near| format!("; did you mean `{near}`?")))]
+    UnknownModel {
+        /// What was asked for.
+        name: String,
+        /// The nearest name that there is.
+        nearest: Option<String>,
+    },
+    /// The time to look is none.
+    #[error("`{look}` is no time to look: {reason}")]
+    Look {
+        /// What was asked for.
+        look: String,
+        /// What is wrong with it.
+        reason: String,
+    },
+    /// The scenario cannot be run with it.
+    #[error("{who} cannot be put into the street\n{problems}")]
+    Problems {
+        /// Who.
+        who: String,
+        /// What is wrong.
+        problems: Box<Problems>,
+    },
+    /// The scenario file is not that of the experiment.
+    #[error("{0}")]
+    Street(String),
+    /// A run could not be made.
+    #[error(transparent)]
+    Batch(#[from] BatchError),
+}
+
+/// The street, the people who crossed it, and how many runs are made.
+pub struct GapStudy<'a> {
+    /// What people did.
+    pub people: &'a PeopleAtGaps,
+    /// The text of the scenario file: definitions `alone`, `risky` and `safe`, a stream `near`, a pedestrian `walker` and a variation `look`.
+    pub street: &'a str,
+    /// What scenarios may name.
+    pub registry: &'a Registry,
+    /// Where populations are read.
+    pub files: &'a dyn Files,
+    /// Makes the runs.
+    pub executor: &'a dyn Executor,
+    /// Looked at before every run.
+    pub stop: &'a Stop,
+    /// How many persons of a population, at least 1; all if it has fewer.
+    pub members: usize,
+    /// Runs of each person in every condition, at least 1. A model that is one person makes as many as all members would.
+    pub repetitions: u32,
+    /// Decides who is drawn and the noise of every run.
+    pub seed: u64,
+}
+
+/// Who is put into the street, as the scenario says it.
+struct Walker {
+    /// What stands in the block of the pedestrian.
+    block: String,
+    /// The file of a population, with its text.
+    file: Option<(String, String)>,
+    digest: Option<String>,
+    fitted: FittedTo,
+    persons: usize,
+    runs: u32,
+    is_fixed: bool,
+}
+
+impl GapStudy<'_> {
+    /// Whether everybody who is asked for can be put into the street, before anybody is.
+    ///
+    /// # Errors
+    /// As [`Self::run`], but for what only runs show.
+    pub fn check(&self, who: &Choosing, look: &str) -> Result<(), GapChoiceError> {
+        let walker = self.walker(who)?;
+        if !walker.is_fixed {
+            self.project(&named(who, look), &walker, look)?;
+        }
+        Ok(())
+    }
+
+    /// What somebody does in all conditions after a time to look such as `1 s`; `progress` is told how many runs of how many are done.
+    ///
+    /// # Errors
+    /// [`GapChoiceError`].
+    pub fn run(
+        &self,
+        who: &Choosing,
+        look: &str,
+        progress: impl Fn(usize, usize) + Send + Sync,
+    ) -> Result<GapChooser, GapChoiceError> {
+        let walker = self.walker(who)?;
+        let name = named(who, look);
+        let chosen = match walker.is_fixed {
+            true => None,
+            false => Some(self.chosen(&name, &walker, look, progress)?),
+        };
+        let Walker { digest, fitted, persons, runs, .. } = walker;
+        Ok(GapChooser { name, digest, fitted, persons, runs, chosen })
+    }
+
+    fn walker(&self, who: &Choosing) -> Result<Walker, GapChoiceError> {
+        let models = self.registry.pedestrians();
+        let find = |name: &str| {
+            models.get(name).ok_or_else(|| GapChoiceError::UnknownModel {
+                name: name.to_string(),
+                nearest: models.nearest(name),
+            })
+        };
+        let size = |model: &str| if model == SHIPPED_MODEL { "\n    size 0.8 m x 0.8 m" } else { "" };
+        let (members, runs) = (self.members, self.repetitions);
+        match who {
+            Choosing::Model(name) => {
+                let model = find(name)?;
+                let defaults = model.declaration.fill_in(&Settings::default());
+                Ok(Walker {
+                    block: format!("model {name}{}", size(name)),
+                    file: None,
+                    digest: None,
+                    fitted: FittedTo::Others,
+                    persons: 1,
+                    runs: u32::try_from(members).unwrap_or(u32::MAX).saturating_mul(runs),
+                    is_fixed: defaults.is_ok_and(|settings| (model.is_fixed)(&settings)),
+                })
+            }
+            Choosing::Population(name) => {
+                let is_shipped = shipped().any(|one| one == name);
+                let text = match is_shipped {
+                    true => None,
+                    false => Some(
+                        self.files
+                            .read_text(Path::new(name), &["csv", "json"])
+                            .map_err(|error| GapChoiceError::Read { file: name.clone(), error })?,
+                    ),
+                };
+                let declaration = &find(SHIPPED_MODEL)?.declaration;
+                let people = Population::parse(name, text.as_deref().map(Ok), declaration, None)?;
+                let persons = members.min(people.len());
+                let of = if is_shipped { name.clone() } else { quoted(name) };
+                Ok(Walker {
+                    block: format!(
+                        "model {SHIPPED_MODEL}{}\n    individuals {persons} of {of}",
+                        size(SHIPPED_MODEL)
+                    ),
+                    file: text.map(|text| (name.clone(), text)),
+                    digest: Some(people.digest()),
+                    fitted: fitted_to(&people, is_shipped),
+                    persons,
+                    runs,
+                    is_fixed: false,
+                })
+            }
+        }
+    }
+
+    /// The scenarios of everybody's runs, read, checked and planned.
+    fn project(&self, who: &str, walker: &Walker, look: &str) -> Result<Project, GapChoiceError> {
+        let scenario = |of: &str| {
+            format!(
+                "scenario {of}_gap : {of} {{\n  pedestrian walker {{\n    {}\n  }}\n  repeat {}\n  expect {{ no collision }}\n}}\n",
+                walker.block, walker.runs
+            )
+        };
+        let text = ["alone", "risky", "safe"].map(scenario).concat();
+        let files =
+            Memory::default().with(STREET, self.street).with(WHO, format!("use {}\n{text}", quoted(STREET)));
+        let files = match &walker.file {
+            Some((name, text)) => files.with(name.as_str(), text.as_str()),
+            None => files,
+        };
+        let set = Override::from_str(&format!("look={look}"))
+            .map_err(|reason| GapChoiceError::Look { look: look.to_string(), reason })?;
+        let options = ProjectOptions::default().seed(self.seed).set([set]);
+        Project::open_all([WHO], &options, self.registry, &files).map_err(|problems| {
+            GapChoiceError::Problems { who: who.to_string(), problems: Box::new(problems) }
+        })
+    }
+
+    fn chosen(
+        &self,
+        who: &str,
+        walker: &Walker,
+        look: &str,
+        progress: impl Fn(usize, usize) + Send + Sync,
+    ) -> Result<ChosenGaps, GapChoiceError> {
+        let metrics = GapMetrics::of(self.registry).map_err(GapChoiceError::Street)?;
+        let project = self.project(who, walker, look)?;
+        let trials: Vec<_> = project.suites().iter().flat_map(|suite| suite.plan.trials()).collect();
+        let all: usize = trials.iter().map(|trial| trial.cases.len()).sum();
+        let mut walks: Vec<Option<Vec<PersonsWalks>>> = vec![None; self.people.conditions.len()];
+        let mut done = 0;
+        for trial in &trials {
+            let first = trial.cases.first();
+            let place = self.condition(&first)?;
+            let mut cases = trial.cases.iter();
+            let mut persons: BTreeMap<u32, PersonsWalks> = BTreeMap::new();
+            let mut failed = None;
+            let batch = RunBatch { executor: self.executor, measured: &metrics.measured, stop: self.stop };
+            let next = |_| cases.next().expect("there are as many as were counted");
+            batch.each(trial.cases.len(), Wanted::Outcome, next, |case, ran| {
+                match metrics.walk(&case, &ran.outcome) {
+                    Ok(walk) => persons.entry(person(&case)).or_default().push(walk),
+                    Err(reason) => failed = failed.take().or(Some(reason)),
+                }
+                done += 1;
+                progress(done, all);
+            })?;
+            if let Some(reason) = failed {
+                return Err(GapChoiceError::Street(reason));
+            }
+            if walks[place].replace(persons.into_values().collect()).is_some() {
+                return Err(GapChoiceError::Street(format!("{}: the gap is looked at twice", first.key)));
+            }
+        }
+        let conditions = self.people.conditions.iter().zip(walks);
+        let walks = conditions.map(|(condition, walks)| {
+            let missing =
+                || format!("{STREET} has no gap of {} s after gaps of {} s", condition.gap, condition.before);
+            walks.ok_or_else(|| GapChoiceError::Street(missing()))
+        });
+        Ok(chosen_gaps(self.people, &walks.collect::<Result<Vec<_>, _>>()?))
+    }
+
+    /// The place of the condition that a run is of, by the gaps of its own cars.
+    fn condition(&self, case: &Case) -> Result<usize, GapChoiceError> {
+        let near = case.world.streams.iter().find(|stream| stream.name == walk::NEAR);
+        let gaps: Vec<f64> = near.map_or_else(Vec::new, |near| {
+            near.arrivals.windows(2).take(LOOKED_AT).map(|pair| pair[1] - pair[0]).collect()
+        });
+        let is_it = |condition: &GapCondition| {
+            let expected =
+                |number: usize| if number + 1 < LOOKED_AT { condition.before } else { condition.gap };
+            gaps.len() == LOOKED_AT
+                && gaps.iter().enumerate().all(|(number, gap)| (gap - expected(number)).abs() < SAME)
+        };
+        let place = self.people.conditions.iter().position(is_it);
+        place.ok_or_else(|| {
+            GapChoiceError::Street(format!("{}: nobody was observed at gaps of {gaps:?} s", case.key))
+        })
+    }
+}
+
+/// Whose run it is.
+fn person(case: &Case) -> u32 {
+    case.individuals.first().map_or(1, |person| person.number)
+}
+
+fn named(who: &Choosing, look: &str) -> String {
+    let name = match who {
+        Choosing::Population(name) => Path::new(name)
+            .file_stem()
+            .map_or_else(|| name.clone(), |stem| stem.to_string_lossy().into_owned()),
+        Choosing::Model(name) => name.clone(),
+    };
+    if is_nothing(look) { name } else { format!("{name}, looks for {look}") }
+}
+
+/// Whether a time to look is 0 in whatever unit.
+fn is_nothing(look: &str) -> bool {
+    let number = look.trim_end_matches(|letter: char| letter.is_ascii_alphabetic() || letter == ' ');
+    number.parse::<f64>() == Ok(0.0)
+}
+
+/// As a scenario file writes a text.
+fn quoted(text: &str) -> String {
+    format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
+}
+
+/// What the provenance of a population says of the people that it was fitted to.
+fn fitted_to(population: &Population, is_shipped: bool) -> FittedTo {
+    let said = serde_json::to_string(&population.provenance).unwrap_or_default();
+    let said = format!("{} {said}", population.source).to_lowercase();
+    if THESE_PEOPLE.iter().any(|word| said.contains(word)) {
+        return FittedTo::ThesePeople;
+    }
+    if is_shipped {
+        return FittedTo::Others;
+    }
+    match population.provenance.get("observations") {
+        Some(observations) => FittedTo::Unknown(format!(
+            "it was fitted to {observations}, and nobody knows here whose these are"
+        )),
+        // Retained by criteria, of a file that says so.
+        None if population.provenance.contains_key("criteria") => FittedTo::Others,
+        None => FittedTo::Unknown("it does not say what it was fitted to".to_string()),
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,146 @@
+//! Few people in the real street, and what is refused.
+
+use super::facts::tests::made_up;
+use super::*;
+use crate::run::Threads;
+use files::Memory;
+use models::standard;
+use results::ChosenGap;
+
+const STREET_FILE: &str = include_str!("../../../scenarios/people/crosscdr.scn");
+
+const THREE: &str = "ped_free_speed\n1.4\n1.5\n1.6\n";
+
+fn people() -> PeopleAtGaps {
+    read_people_at_gaps("facts.json", &made_up().to_string()).unwrap()
+}
+
+fn with<T>(street: &str, of: impl FnOnce(&GapStudy) -> T) -> T {
+    let files = Memory::default().with("some people.csv", THREE).with(
+        "other.json",
+        r#"{"model": "jaywalker", "source": "here", "parameters": ["speed"], "individuals": [[2]]}"#,
+    );
+    of(&GapStudy {
+        people: &people(),
+        street,
+        registry: &standard(),
+        files: &files,
+        executor: &Threads::new(2),
+        stop: &Stop::default(),
+        members: 3,
+        repetitions: 2,
+        seed: 7,
+    })
+}
+
+fn of(name: &str) -> Choosing {
+    Choosing::Population(name.to_string())
+}
+
+fn model(name: &str) -> Choosing {
+    Choosing::Model(name.to_string())
+}
+
+#[test]
+fn a_few_people_cross_the_real_street() {
+    let run = || {
+        with(STREET_FILE, |study| {
+            let told = std::sync::Mutex::new(Vec::new());
+            let found =
+                study.run(&of("some people.csv"), "1 s", |done, all| told.lock().unwrap().push((done, all)));
+            (found.unwrap(), told.into_inner().unwrap())
+        })
+    };
+    let (found, told) = run();
+    assert_eq!((found.name.as_str(), found.persons, found.runs), ("some people, looks for 1 s", 3, 2));
+    assert_eq!((told.first(), told.last()), (Some(&(1, 42)), Some(&(42, 42))));
+    let chosen = found.chosen.clone().unwrap();
+    assert_eq!(chosen.conditions.len(), 7);
+    for one in &chosen.conditions {
+        let ChosenGap { runs, taken, share, .. } = *one;
+        assert_eq!(runs, 6);
+        assert_eq!(share, (one.there() > 0).then(|| taken as f64 / one.there() as f64));
+    }
+    // Longer gaps are taken by more.
+    assert!(chosen.conditions[4].taken >= chosen.conditions[0].taken, "{chosen:?}");
+    // The same again, bit for bit.
+    assert_eq!(run().0, found);
+}
+
+#[test]
+fn whoever_walks_into_the_first_gap_meets_no_later_one() {
+    // Who wants to be hit goes before the first car.
+    let found = with(STREET_FILE, |study| study.run(&model("interceptor"), "0 s", |_, _| ())).unwrap();
+    let chosen = found.chosen.unwrap();
+    for one in &chosen.conditions {
+        assert_eq!((one.runs, one.there()), (6, 0), "{one:?}");
+        // Not 0 %: nothing is known of them.
+        assert_eq!((one.share, one.error, one.pairs), (None, None, None));
+    }
+}
+
+#[test]
+fn a_model_that_minds_nobody_says_so() {
+    let found =
+        with(STREET_FILE, |study| study.run(&model("scripted"), "0 s", |_, _| panic!("no run is made")));
+    let found = found.unwrap();
+    assert_eq!((found.chosen, found.name.as_str()), (None, "scripted"));
+}
+
+#[test]
+fn what_cannot_be_put_into_the_street_says_why() {
+    let says = |who: &Choosing, look: &str, what: &str| {
+        let error = with(STREET_FILE, |study| study.check(who, look)).unwrap_err().to_string();
+        assert!(error.contains(what), "{error}");
+    };
+    says(&of("other.json"), "0 s", "a population of the model `jaywalker`");
+    says(&of("nobody.json"), "0 s", "cannot read the population nobody.json");
+    says(&of("nobody"), "0 s", "nobody");
+    says(&model("jaywaker"), "0 s", "did you mean `jaywalker`?");
+    says(&model("yielding_cyclist"), "0 s", "is about people on bicycles");
+    says(&of("humans"), "soon", "look");
+    says(&of("humans"), "1 m", "look");
+    says(&of("humans"), "1 s; repeat 3", "`1 s; repeat 3` is no time to look");
+}
+
+#[test]
+fn a_street_with_other_gaps_is_refused() {
+    let of_street = |from: &str, to: &str| {
+        let street = STREET_FILE.replace(from, to);
+        assert_ne!(street, STREET_FILE);
+        with(&street, |study| study.run(&of("standard"), "0 s", |_, _| ())).unwrap_err().to_string()
+    };
+    let said = of_street("gaps 3 s, 3 s, 3 s, 4 s", "gaps 3 s, 3 s, 4 s, 4 s");
+    assert!(said.contains("nobody was observed at gaps of [3.0, 3.0, 4.0, 4.0] s"), "{said}");
+    let said = of_street("gap in [3.5 s, ", "gap in [");
+    assert!(said.contains("has no gap of 3.5 s after gaps of 2 s"), "{said}");
+}
+
+#[test]
+fn who_was_fitted_to_these_people_is_told() {
+    let population = |source: &str, provenance: serde_json::Value| Population {
+        model: "commotions".into(),
+        variant: None,
+        source: source.into(),
+        provenance: serde_json::from_value(provenance).unwrap(),
+        parameters: Vec::new(),
+        individuals: Vec::new(),
+        weights: Vec::new(),
+    };
+    let none = serde_json::json!({});
+    let fitted = |population: &Population| fitted_to(population, false);
+    assert_eq!(fitted(&population("calibrated to CrossCDR", none.clone())), FittedTo::ThesePeople);
+    let to =
+        population("here", serde_json::json!({ "observations": "germans.csv", "conditions": ["crosscdr"] }));
+    assert_eq!(fitted(&to), FittedTo::ThesePeople);
+    let other = population("here", serde_json::json!({ "observations": "germans.csv" }));
+    assert!(matches!(fitted(&other), FittedTo::Unknown(reason) if reason.contains("germans.csv")));
+    assert!(matches!(fitted(&population("here", none)), FittedTo::Unknown(_)));
+    let retained = population("here", serde_json::json!({ "criteria": [] }));
+    assert_eq!(fitted(&retained), FittedTo::Others);
+    for name in ["humans", "humans_1", "standard"] {
+        let declaration = &standard().pedestrians().get("commotions").unwrap().declaration.clone();
+        let known = Population::parse(name, None, declaration, None).unwrap();
+        assert_eq!(fitted_to(&known, true), FittedTo::Others, "{name}");
+    }
+}
