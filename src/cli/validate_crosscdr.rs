@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{ArgGroup, Args};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::interrupt::stop_on_interrupt;
@@ -21,6 +21,7 @@ use scenario::registry::Registry;
 const STREET: &str = include_str!("../../scenarios/people/crosscdr.scn");
 
 #[derive(Debug, Args)]
+#[command(group(ArgGroup::new("who").args(["population", "model"]).required(true).multiple(true)))]
 #[command(after_help = "\
 Examples:
   scenario-runner validate crosscdr crosscdr_fit.json --population humans --looking \"0 s\" --looking \"1 s\"
@@ -31,7 +32,7 @@ pub struct CrosscdrArguments {
     /// What people did, `crosscdr_fit.json`.
     facts: PathBuf,
     /// A population of the COMMOTIONS model: a name that ships, or a file. May be repeated.
-    #[arg(long, value_name = "POPULATION", required_unless_present = "model")]
+    #[arg(long, value_name = "POPULATION")]
     population: Vec<String>,
     /// A pedestrian model with its defaults, as one person. May be repeated.
     #[arg(long, value_name = "MODEL")]
@@ -39,10 +40,10 @@ pub struct CrosscdrArguments {
     /// For how long they look before they may go, when the first car is 2 s away. Several times are several columns.
     #[arg(long, value_name = "TIME", default_value = "0 s")]
     looking: Vec<String>,
-    /// How many of each population, drawn by the seed; more than there are means all.
+    /// How many of each population, drawn by the seed; more than there are means all. Of a model, how many runs in every condition.
     #[arg(long, value_name = "N", default_value_t = 200, value_parser = number::some())]
     members: usize,
-    /// Runs of each in every condition.
+    /// Runs of each member of a population in every condition.
     #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     repetitions: u32,
     /// Decides who is drawn and the noise of every run.

@@ -208,6 +208,8 @@ pub fn draw_gap_choices(choices: &GapChoices) -> String {
         };
         let drawn = |chooser: &GapChooser| {
             let gaps = chooser.chosen.as_ref()?;
+            // Of whom nothing is known anywhere there is no line.
+            gaps.conditions.iter().find_map(|one| one.share)?;
             let of = places
                 .iter()
                 .map(|place| (choices.people.conditions[*place].gap, gaps.conditions[*place].share));
@@ -215,12 +217,7 @@ pub fn draw_gap_choices(choices: &GapChoices) -> String {
             Some(ShareLine { name: chooser.name.clone(), points })
         };
         PeopleShares {
-            title: if with_others {
-                "with others, after gaps of 3 s and 2.5 s"
-            } else {
-                "alone, after gaps of 2 s"
-            }
-            .to_string(),
+            title: panel_title(with_others, conditions()),
             x: AxisQuantity::new("gap", "s"),
             people: [ALL_PEOPLE, 0, 1].map(group).to_vec(),
             lines: choices.choosers.iter().filter_map(drawn).collect(),
@@ -238,6 +235,13 @@ pub fn draw_gap_choices(choices: &GapChoices) -> String {
         &panels[0].legend(),
         &remarks,
     )
+}
+
+fn panel_title<'c>(with_others: bool, conditions: impl Iterator<Item = &'c GapCondition>) -> String {
+    let mut before: Vec<String> = conditions.map(|one| format!("{} s", one.before)).collect();
+    before.dedup();
+    let where_it_is = if with_others { "with others" } else { "alone" };
+    format!("{where_it_is}, after gaps of {}", before.join(" and "))
 }
 
 fn people_name(group: usize) -> String {
@@ -322,6 +326,7 @@ mod tests {
     fn what_nobody_met_is_no_point() {
         let svg = draw_gap_choices(&choices());
         assert!(!svg.contains("NaN") && !svg.contains("scripted"), "{svg}");
+        assert!(svg.contains("with others, after gaps of 3 s and 2.5 s"), "{svg}");
         // Of the second population one share is known, which is 0, and two are not.
         assert_eq!(svg.matches("<title>own, looks for 1 s").count(), 1, "{svg}");
         insta::assert_snapshot!(svg);

@@ -137,7 +137,7 @@ pub struct ChosenGap {
     pub taken: usize,
     /// Share of those who were still there when the gap opened; `None` if nobody was.
     pub share: Option<f64>,
-    /// Its standard error, by drawing persons anew; `None` of fewer than two.
+    /// Its standard error, by drawing persons anew; `None` of fewer than two, and where all of them did the same.
     pub error: Option<f64>,
     /// The share of pairs of a person's runs in which it took the gap both times; `None` where no person was there twice.
     pub pairs: Option<f64>,

@@ -4,6 +4,7 @@ mod appearing;
 mod bugs;
 mod cli;
 mod contacts;
+mod crosscdr;
 mod diff;
 mod drawn;
 mod edited_results;

@@ -3,6 +3,7 @@
 
 mod bind_mount;
 mod commotions_reference;
+mod crosscdr;
 mod hiker;
 mod retention;
 #[path = "../support/mod.rs"]
@@ -47,8 +48,13 @@ fn with(file: Option<&Path>, tests: &[Test]) -> Vec<Trial> {
 }
 
 fn main() -> ExitCode {
-    let mut tests =
-        vec![bind_mount::tests(), commotions_reference::tests(), hiker::tests(), retention::tests()];
+    let mut tests = vec![
+        bind_mount::tests(),
+        commotions_reference::tests(),
+        crosscdr::tests(),
+        hiker::tests(),
+        retention::tests(),
+    ];
     #[cfg(unix)]
     tests.push(watch_keys::tests());
     libtest_mimic::run(&Arguments::from_args(), tests.into_iter().flatten().collect()).exit_code()

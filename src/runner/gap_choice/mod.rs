@@ -103,9 +103,9 @@ pub struct GapStudy<'a> {
     pub executor: &'a dyn Executor,
     /// Looked at before every run.
     pub stop: &'a Stop,
-    /// How many persons of a population, at least 1; all if it has fewer.
+    /// How many persons of a population, at least 1; all if it has fewer. Of a model, which is one person, how many runs in every condition.
     pub members: usize,
-    /// Runs of each person in every condition, at least 1. A model that is one person makes as many as all members would.
+    /// Runs of each person of a population in every condition, at least 1.
     pub repetitions: u32,
     /// Decides who is drawn and the noise of every run.
     pub seed: u64,
@@ -177,7 +177,7 @@ impl GapStudy<'_> {
                     digest: None,
                     fitted: FittedTo::Others,
                     persons: 1,
-                    runs: u32::try_from(members).unwrap_or(u32::MAX).saturating_mul(runs),
+                    runs: u32::try_from(members).unwrap_or(u32::MAX),
                     is_fixed: defaults.is_ok_and(|settings| (model.is_fixed)(&settings)),
                 })
             }
@@ -338,8 +338,9 @@ fn fitted_to(population: &Population, is_shipped: bool) -> FittedTo {
         Some(observations) => FittedTo::Unknown(format!(
             "it was fitted to {observations}, and nobody knows here whose these are"
         )),
-        // Retained by criteria, of a file that says so.
-        None if population.provenance.contains_key("criteria") => FittedTo::Others,
+        None if population.provenance.contains_key("criteria") => FittedTo::Unknown(
+            "it was retained by criteria, and nobody knows here what these rest on".to_string(),
+        ),
         None => FittedTo::Unknown("it does not say what it was fitted to".to_string()),
     }
 }

@@ -104,7 +104,7 @@ fn pair_share((all, held): (usize, usize)) -> Option<f64> {
 }
 
 /// The standard error of the share of all, a ratio over persons who are drawn anew: each with how often it was there and how often it held.
-/// `None` of fewer than two who were.
+/// `None` of fewer than two who were, and where all of them always or never did, which says nothing of how much persons differ.
 fn standard_error(persons: &[(usize, usize)]) -> Option<f64> {
     let persons: Vec<(f64, f64)> = persons
         .iter()
@@ -115,7 +115,8 @@ fn standard_error(persons: &[(usize, usize)]) -> Option<f64> {
     let held: f64 = persons.iter().map(|(_, held)| held).sum();
     let number = persons.len() as f64;
     let squares: f64 = persons.iter().map(|(all, some)| some - held / there * all).map(|one| one * one).sum();
-    (persons.len() > 1).then(|| (squares * number / (number - 1.0)).sqrt() / there)
+    let differ = held > 0.0 && held < there;
+    (persons.len() > 1 && differ).then(|| (squares * number / (number - 1.0)).sqrt() / there)
 }
 
 #[cfg(test)]
@@ -167,6 +168,9 @@ mod tests {
         assert_eq!((found.share, found.pairs), (Some(0.5), None));
         let found = chosen_gap(&persons(&[&[TAKES, SHORT], &[SHORT, SHORT]]));
         assert_eq!((found.share, found.error), (Some(1.0), None));
+        // Nor do two who are alike say that nobody differs.
+        let found = chosen_gap(&persons(&[&[LATER, LATER], &[Went::Never, LATER]]));
+        assert_eq!((found.share, found.error, found.pairs), (Some(0.0), None, Some(0.0)));
     }
 
     #[test]
