@@ -110,7 +110,10 @@ fn it_is_known_in_which_gap_somebody_goes_also_of_who_is_hit() {
     // In the lane from 8.339 s to 9.946 s, between fronts at 7.742 s and 11.242 s.
     let takes = walks(7.5, 1.4);
     assert_eq!((takes.went, takes.was_hit, takes.stepped_back), (Went::InGap(4), false, Some(false)));
-    assert!(near(takes.after_previous, 0.597) && near(takes.left, 1.296) && near(takes.speed, 1.4), "{takes:?}");
+    assert!(
+        near(takes.after_previous, 0.597) && near(takes.left, 1.296) && near(takes.speed, 1.4),
+        "{takes:?}"
+    );
     // In the middle of the lane when the car comes that closes the gap: taken, with nothing left.
     let hit = walks(9.8, 1.4);
     assert_eq!((hit.went, hit.was_hit, hit.left, hit.speed), (Went::InGap(4), true, Some(0.0), None));
