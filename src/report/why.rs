@@ -161,7 +161,8 @@ fn moment(story: &Story, reasons: &[RunReason]) -> Option<f64> {
 fn course(run: &WhyRun, moment: Option<f64>) -> Vec<String> {
     let story = run.story;
     let stamp = |time: f64, said: String| (time, format!("{time:>7.2} s  {said}"));
-    let seen = story.first_seen.iter().map(|seen| first_sight(run, seen));
+    let seen = story.first_seen.iter().filter(|seen| is_of_interest(run, seen));
+    let seen = seen.map(|seen| first_sight(run, seen));
     let (seen, never): (Vec<_>, Vec<_>) = seen.partition(|(time, _)| time.is_some());
     let mut lines: Vec<(f64, String)> =
         seen.into_iter().filter_map(|(time, said)| Some(stamp(time?, said))).collect();
@@ -213,6 +214,23 @@ fn misperceived<'r>(run: &WhyRun<'r>, moment: Option<f64>) -> Vec<&'r PerceivedV
     let views = &run.story.trace.perceived;
     let vehicles = 0..run.case.world.vehicles.len();
     vehicles.filter_map(|vehicle| PerceivedView::last(views, vehicle, moment)).collect()
+}
+
+/// Whether more than the place in a stream is to be told of a vehicle: of each stream of the one that touched, and of the nearest.
+fn is_of_interest(run: &WhyRun, seen: &FirstSeen) -> bool {
+    let (world, story) = (&run.case.world, run.story);
+    let stream = |name: &str| {
+        let index = world.vehicles.iter().position(|car| car.name == name)?;
+        world.streams.iter().position(|stream| stream.vehicles.contains(&index))
+    };
+    let own = stream(&seen.vehicle);
+    let touched = story.contact.as_ref().is_some_and(|contact| contact.vehicle == seen.vehicle);
+    let distance = |one: &FirstSeen| one.distance.unwrap_or(f64::INFINITY);
+    let mut alike = story
+        .first_seen
+        .iter()
+        .filter(|one| one.pedestrian == seen.pedestrian && stream(&one.vehicle) == own);
+    own.is_none() || touched || alike.all(|one| distance(seen) <= distance(one))
 }
 
 /// When somebody was first shown whom, s, and that in words.
