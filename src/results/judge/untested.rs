@@ -319,6 +319,7 @@ fn named_instead(why: Untested, stake: &AtStake, criterion: &Criterion) -> Untes
 
 #[cfg(test)]
 mod tests {
+    use std::slice;
     use std::time::Duration;
 
     use super::*;
@@ -516,16 +517,16 @@ mod tests {
         let met = ("cars_3", "walker", Closeness::Met, true, false);
         let other = ("vans_1", "walker", Closeness::Met, true, false);
         let gap = of_stream("gap_taken", "cars");
-        assert_eq!(tested(&[gap.clone()], Some(3.0), &[&[apart, other]]), [false]);
-        assert_eq!(tested(&[gap.clone()], Some(3.0), &[&[apart, together, other]]), [true]);
+        assert_eq!(tested(slice::from_ref(&gap), Some(3.0), &[&[apart, other]]), [false]);
+        assert_eq!(tested(slice::from_ref(&gap), Some(3.0), &[&[apart, together, other]]), [true]);
         // In one run there are more vehicles than in another.
-        assert_eq!(tested(&[gap.clone()], Some(3.0), &[&[apart], &[apart, together]]), [true]);
+        assert_eq!(tested(slice::from_ref(&gap), Some(3.0), &[&[apart], &[apart, together]]), [true]);
         let finding = &judged(&[gap], Some(3.0), &[&[apart, other]])[0];
         let Some(Untested::Pairs { pairs, .. }) = &finding.untested else { panic!("{finding:?}") };
         assert_eq!(pairs[0].vehicle.as_deref(), Some("cars"));
         // A contact with any of its vehicles.
         let contact = of_stream("collision", "cars");
-        assert_eq!(tested(&[contact.clone()], Some(1.0), &[&[apart, together, other]]), [false]);
+        assert_eq!(tested(slice::from_ref(&contact), Some(1.0), &[&[apart, together, other]]), [false]);
         assert_eq!(tested(&[contact], Some(1.0), &[&[apart, met]]), [true]);
         // A vehicle of this name has nothing to do with those that are numbered.
         let car = criterion("collision", Some(("cars", "walker")));
@@ -536,8 +537,8 @@ mod tests {
         // Where no stream is named, only vehicles with a number count.
         let any = criterion("gap_taken", None);
         let single = ("av", "walker", Closeness::Met, true, false);
-        assert_eq!(tested(&[any.clone()], Some(3.0), &[&[single, apart]]), [false]);
-        assert_eq!(tested(&[any.clone()], Some(3.0), &[&[single, other]]), [true]);
+        assert_eq!(tested(slice::from_ref(&any), Some(3.0), &[&[single, apart]]), [false]);
+        assert_eq!(tested(slice::from_ref(&any), Some(3.0), &[&[single, other]]), [true]);
         // What to write instead is about the stream.
         let both = [together, ("cars_12", "child", Closeness::Apart, true, false)];
         let finding = &judged(&[any], Some(3.0), &[&both])[0];
