@@ -463,7 +463,7 @@ fn alike(findings: &[Finding]) -> Option<String> {
     ))
 }
 
-/// Steps of scripts that never began, vehicles that left the road, streams that were over before somebody went across, and times between centres where bodies overlap: `step 1 of \`av\`, \`when distance < d1 stop\`, began in no run: what
+/// Steps of scripts that never began, vehicles that left the road, streams that were over before a pedestrian went across, and times between centres where bodies overlap: `step 1 of \`av\`, \`when distance < d1 stop\`, began in no run: what
 /// it brings about is untested`.
 pub fn not_as_declared(judged: &TrialVerdict) -> Vec<String> {
     let steps = judged.never_began.iter().map(|WaitingStep { of, step }| {
@@ -480,7 +480,7 @@ pub fn not_as_declared(judged: &TrialVerdict) -> Vec<String> {
     });
     let outlasted = judged.outlasted.iter().map(|OutlastedRuns { outlasted, runs, of }| {
         format!(
-            "the last vehicle of `{}` had passed before `{}` went across in {runs} of {}: nobody knows which gap it would have taken",
+            "the last vehicle of `{}` had passed before `{}` went across in {runs} of {}: which gap it would have taken is not known",
             outlasted.stream,
             outlasted.pedestrian,
             count(*of, "run")
