@@ -135,7 +135,7 @@ pub use statement::{
     DeclaredStanding, Measured, OutcomesOf, Quantity, Statement, StatementClaim, StatementClaimKind,
     TrendDirection,
 };
-pub use stream::{DeclaredStream, FurtherGaps, Stream, StreamError};
+pub use stream::{DeclaredStream, FurtherGaps, StreamError, TrafficStream};
 pub use symbol::Symbol;
 pub use traffic_signal::{DeclaredSignal, STOP_LINE, SeenSignal, SignalError, SignalState, TrafficSignal};
 pub use trial::{Rounds, Trial};

@@ -2,7 +2,8 @@
 
 use super::outlook::{Meeting, Outlook, Sight, SightKind};
 use scenario::{
-    CrossingKind, Dimension, Direction, Ground, MayGo, Road, Stream, TrafficSignal, VehicleSetup, World, show,
+    CrossingKind, Dimension, Direction, Ground, MayGo, Road, TrafficSignal, TrafficStream, VehicleSetup,
+    World, show,
 };
 use sim::Solid;
 
@@ -109,7 +110,7 @@ fn are_one_stream(world: &World, vehicle: usize, other: Solid) -> bool {
 const TOLD_GAPS: usize = 8;
 
 /// A stream, of which the first vehicle is told by itself.
-fn stream(stream: &Stream, first: &VehicleSetup) -> String {
+fn stream(stream: &TrafficStream, first: &VehicleSetup) -> String {
     let gaps = stream.arrivals.windows(2).map(|pair| show(tidy(pair[1] - pair[0]), None, Dimension::TIME));
     let mut gaps: Vec<String> = gaps.collect();
     if gaps.len() > TOLD_GAPS {

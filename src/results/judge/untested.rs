@@ -8,7 +8,8 @@ use crate::{
     Verdict,
 };
 use scenario::{
-    Aggregate, Claim, Comparison, Criterion, Expression, MetricReference, Scope, Stake, Stream, constant,
+    Aggregate, Claim, Comparison, Criterion, Expression, MetricReference, Scope, Stake, TrafficStream,
+    constant,
 };
 use sim::measure::{Closeness, MEETING_TIME, Presence};
 
@@ -247,7 +248,7 @@ fn needs(reference: &MetricReference, outcomes: &[&Outcome]) -> Needs {
         Scope::Pedestrian => Needs::Pairs(of_each(vehicles)),
         // Of streams that it does not name, those of which vehicles have a number.
         Scope::Stream => {
-            Needs::Pairs(of_each(covered().filter(|name| Stream::of_member(name).is_some()).collect()))
+            Needs::Pairs(of_each(covered().filter(|name| TrafficStream::of_member(name).is_some()).collect()))
         }
         Scope::Pair | Scope::Contact | Scope::Vehicles => match pairs().find(of_vehicles) {
             Some(pair) => {
@@ -304,7 +305,7 @@ fn named_instead(why: Untested, stake: &AtStake, criterion: &Criterion) -> Untes
         })?;
         // What is said of a stream stays said of it.
         let stream = match stake.reference.known().map(|metric| metric.scope) {
-            Some(Scope::Stream) => Stream::of_member(vehicle).map(|(stream, _)| stream),
+            Some(Scope::Stream) => TrafficStream::of_member(vehicle).map(|(stream, _)| stream),
             _ => stake.reference.stream(),
         };
         Some((stream.unwrap_or(vehicle).to_string(), pair.other.to_string()))
