@@ -260,16 +260,13 @@ impl Other {
             if !reasoning.anticipates_influence {
                 others_values[b] = [others_values[b][as_no_action]; ACTIONS];
             }
-            let squash = |row: &mut [f64; ACTIONS]| {
+            let rows = [&mut values[b], &mut others_values[b]];
+            for row in rows.into_iter().skip(usize::from(!weighed)) {
                 for value in row.iter_mut() {
                     *value /= valuation.scale;
                 }
                 tanh_in_place(row);
-            };
-            if weighed {
-                squash(&mut values[b]);
             }
-            squash(&mut others_values[b]);
         }
         (values, others_values)
     }
