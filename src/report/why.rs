@@ -8,12 +8,13 @@ use super::drawing::moment_text;
 use super::format::with_unit;
 use super::perceived::{perceived_words, road_user};
 use super::replay::{RunReason, describe, introduced, run_reasons};
+use super::wording::ending_of;
 use results::{
     CameOf, FirstSeen, Neighbour, Otherwise, OtherwiseRun, Outcome, Requests, Story, TriedDeceleration,
     WhatIf,
 };
 use scenario::{Case, Criterion, Dimension};
-use sim::{Happening, PerceivedView, StopReason, TimelineEvent};
+use sim::{Happening, PerceivedView, TimelineEvent};
 
 /// So many events are told besides who is shown whom and the contact.
 const EVENTS: usize = 6;
@@ -103,7 +104,7 @@ pub fn render_why(run: &WhyRun) -> String {
     values.push(format!("seed {}", case.seed));
     line(&format!("  with {}", values.join(", ")));
     course(run, moment(story, &reasons)).iter().for_each(|said| line(&format!("  {said}")));
-    let reason = ending_words(story.outcome.ending.reason);
+    let reason = ending_of(story.outcome.ending.reason, &case.world);
     line(&format!("  {:>7.2} s  {reason}{}", story.outcome.ending.time, cut_off(&story.outcome)));
     for reason in &reasons {
         line(&format!("  {} `{}`: {}", reason.verb, reason.criterion, reason.words));
@@ -129,15 +130,6 @@ pub fn render_moment(run: &WhyRun) -> String {
     let lines = moment_text(run.case, &run.story.trace, time, PICTURE.0, PICTURE.1);
     let lines: String = lines.iter().map(|line| format!("  {line}").trim_end().to_string() + "\n").collect();
     format!("  from above, after {time:.2} s:\n{lines}")
-}
-
-/// Why a run ends.
-pub(super) fn ending_words(reason: StopReason) -> &'static str {
-    match reason {
-        StopReason::Completed => "everybody has passed",
-        StopReason::Collision => "the run ends at the collision",
-        StopReason::Horizon => "time is up",
-    }
 }
 
 /// `; not over for walker` of a run that was cut off.

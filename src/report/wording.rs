@@ -11,8 +11,26 @@ use results::{
     Skip, Standing, SuiteReport, TrialReport, TrialState, TrialVerdict, UnitReport, Untested, UntestedPair,
     Verdict, WaitingStep, WorstRun,
 };
-use scenario::{Comparison, Keep, MetricKind, Notation, People, Relation, Search, Stake, significant};
+use scenario::{Comparison, Keep, MetricKind, Notation, People, Relation, Search, Stake, World, significant};
+use sim::StopReason;
 use sim::measure::Closeness;
+
+/// Why a run ends.
+pub fn ending_words(reason: StopReason) -> &'static str {
+    match reason {
+        StopReason::Completed => "everybody has passed",
+        StopReason::Collision => "the run ends at the collision",
+        StopReason::Horizon => "time is up",
+    }
+}
+
+/// The same of a run in this world: for the last vehicles of streams no run waits.
+pub fn ending_of(reason: StopReason, world: &World) -> &'static str {
+    match reason {
+        StopReason::Completed if !world.streams.is_empty() => "everybody has passed for whom the run waits",
+        reason => ending_words(reason),
+    }
+}
 
 /// What was found: `holds in 18 of 20 runs`, `85 %`, `1.62 s`; `–` if no run has a value.
 pub fn observed(finding: &Finding) -> String {
