@@ -2,6 +2,7 @@
 
 use nalgebra::Vector2;
 
+use super::geometry::Footprint;
 use super::solid::Solid;
 use super::turning::{touch_on_a_bend, turns};
 use scenario::agent::{Snapshot, velocity_inside};
@@ -190,15 +191,30 @@ impl Reach {
 
     /// Where its body reaches from one state to the next: bodies whose reaches are apart are too far apart for [`touch`].
     fn move_on(&mut self, before: &Snapshot, after: &Snapshot, boxes: &[Body]) {
-        let Some(outline) = self.solid.footprint(before, boxes) else {
-            *self = Self::nowhere(self.solid);
-            return;
+        let (centre, next, radius) = match self.solid {
+            Solid::Vehicle(index) => {
+                let (car, next) = (&before.vehicles[index], &after.vehicles[index]);
+                (car.position(), next.position(), Vector2::new(car.length, car.width).norm() / 2.0)
+            }
+            Solid::Pedestrian(index) if before.pedestrians[index].present => {
+                let (person, next) = (&before.pedestrians[index], &after.pedestrians[index]);
+                (person.position, next.position, Footprint::from(person).radius())
+            }
+            Solid::Pedestrian(_) => {
+                *self = Self::nowhere(self.solid);
+                return;
+            }
+            // It stays where it was found.
+            Solid::Box(_) if self.low.x < f64::INFINITY => return,
+            Solid::Box(index) => {
+                let body = Footprint::from(&boxes[index]);
+                (body.centre, body.centre, body.radius())
+            }
         };
-        let moved = (place(self.solid, after, boxes) - outline.centre).norm();
         // Twice, since ends are rounded, too.
-        let reach = outline.radius() + moved + 2.0 * SLACK;
+        let reach = radius + (next - centre).norm() + 2.0 * SLACK;
         let reach = Vector2::new(reach, reach);
-        (self.low, self.high) = (outline.centre - reach, outline.centre + reach);
+        (self.low, self.high) = (centre - reach, centre + reach);
         // Of what is no number nobody knows where it reaches.
         if self.low.x.is_nan() || self.low.y.is_nan() {
             let endless = Vector2::new(f64::INFINITY, f64::INFINITY);
