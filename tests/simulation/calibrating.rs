@@ -404,6 +404,35 @@ fn where_all_runs_count_nothing_changes_to_the_last_bit() {
     assert!(report::render_calibrate(&same).contains("counted (runs)"));
 }
 
+/// Of the version before runs could be left uncounted.
+const DIGEST_BEFORE: &str = "332e24fa65e6dc6e";
+
+#[test]
+fn the_people_that_ship_are_weighed_as_they_were() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/people");
+    let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
+    let block = "calibrate humans {
+  candidates 100 of \"candidates.json\"
+  in crossing_plain
+  match rate(gap_accepted) to \"plain.csv\" undefined fails
+  match spread between individuals of rate(gap_accepted)
+  match mean of walker.model.ped_free_speed to 1.34 m/s within 0.05 m/s
+  folds 2
+  repeat 4
+}
+";
+    let rows = read("human_crossing.csv");
+    let rows: Vec<&str> = rows.lines().filter(|line| !line.starts_with("crossing_zebra")).collect();
+    let files = Memory::default()
+        .with("people.scn", format!("{}\n{block}", read("encounter.scn")))
+        .with("candidates.json", read("candidates.json"))
+        .with("plain.csv", rows.join("\n"));
+    let loaded = lang::load(Path::new("people.scn"), &standard(), &files);
+    let suite = loaded.unwrap_or_else(|_| panic!("it is right")).suite;
+    let result = run(&suite, &Threads::new(2), None, &Stop::default(), &Silent).unwrap();
+    assert_eq!(result.digest, DIGEST_BEFORE);
+}
+
 /// Who is nearer than 3 m to the vehicle at some time is asked; the others do not count.
 const NEAR: &str = "candidates 40 by latin_hypercube\n  \
                     match rate(gap_accepted) to \"people.csv\" where min_distance < 3 m undefined fails";
@@ -445,6 +474,60 @@ fn a_condition_in_which_nobody_is_left_is_an_error() {
     // What runs count by is defined in all of them, or it is an error.
     let unknown = said(&NEAR.replace("min_distance < 3 m", "tta_at_entry >= 0 s"));
     assert!(unknown.contains("nobody knows whether they count"), "{unknown}");
+}
+
+/// Two cars, one after the other.
+const SECOND_GAP: &str = r#"
+scenario second_gap {
+  road { lane_width 2.25 m; speed_limit 30 km/h; crossing unmarked }
+  vary gap in [4 s, 6 s]
+  vehicle car_1 { controller constant_speed; speed 30 km/h; start 3 s before crossing }
+  vehicle car_2 { controller constant_speed; speed 30 km/h; start 3 s + gap before crossing }
+  pedestrian walker { model commotions; individuals 20 of standard; start 2.5 m from lane centre }
+  horizon 60 s
+  expect { no collision }
+}
+calibrate people {
+  in second_gap
+  candidates 60 of standard
+  repeat 4
+  MATCH
+}
+"#;
+
+#[test]
+fn undefined_runs_that_are_not_counted_are_no_runs_in_which_nothing_held() {
+    let rows = "scenario, gap, share, trials, persons, error\n\
+                second_gap, 4 s, 0.4, 400, 30, 0.1\nsecond_gap, 6 s, 0.4, 400, 30, 0.1\n";
+    let of = |matched: &str| {
+        let text = SECOND_GAP.replace("MATCH", matched);
+        let files = Memory::default().with("people.scn", text).with("people.csv", rows);
+        let loaded = lang::load(Path::new("people.scn"), &standard(), &files);
+        let suite = loaded.unwrap_or_else(|_| panic!("it is right")).suite;
+        run(&suite, &Threads::new(2), None, &Stop::default(), &Silent)
+    };
+    // Only who goes before the first car has a time to its arrival.
+    let before = "match rate(tta_at_entry(car_1, walker) >= 1 s) to \"people.csv\"";
+    let result = of(&format!("{before} undefined not counted")).unwrap();
+    for one in &result.conditions {
+        let counted = one.counted.expect("it is told which runs count");
+        assert!((counted.share + one.undefined - 1.0).abs() < 1e-6 && counted.share < 0.3, "{one:?}");
+        // Of those who go, not of everybody.
+        assert!(one.share.equal > 0.3, "{one:?}");
+    }
+    // What rests on so few runs is luck, and is told.
+    let warned = |what: &str| result.warnings.iter().any(|one| one.contains(what));
+    assert!(warned("of equal weight that count for") && warned("under fresh noise"), "{:?}", result.warnings);
+    // As runs in which nothing held, they are out of reach.
+    let fails = of(&format!("{before} undefined fails")).unwrap_err().to_string();
+    assert!(fails.contains("no mixture of the candidates does what people did"), "{fails}");
+    // Who goes before the first car goes before the second, too, unless only those count who are still there.
+    let second = "match rate(gap_accepted(car_2, walker)) to \"people.csv\"";
+    let equal = |where_: &str| {
+        let result = of(&format!("{second}{where_} undefined fails")).unwrap();
+        result.conditions.iter().map(|one| one.share.equal).sum::<f64>()
+    };
+    assert!(equal("") > equal(" where no gap_accepted(car_1, walker)") + 0.02);
 }
 
 #[test]

@@ -177,7 +177,7 @@ pub fn run_calibrate(
             persons: condition.row.persons,
             undefined: share_of_runs(&|one| one.undefined, index),
             counted: rests_on(&fresh_defined, &heavy, index).map(|(runs, candidates)| CountedRuns {
-                share: 1.0 - share_of_runs(&|one| one.not_counted, index),
+                share: (1.0 - share_of_runs(&|one| one.not_counted, index)).clamp(0.0, 1.0),
                 runs,
                 candidates,
             }),
@@ -226,11 +226,13 @@ pub fn run_calibrate(
 /// On how many runs of equal weight a condition rests where not all of them count, and of how many candidates (Kish 1965); `None` where all
 /// count.
 fn rests_on(defined: &[Vec<u32>], weights: &[f64], condition: usize) -> Option<(f64, f64)> {
-    let of = |powers: (i32, i32)| -> f64 {
-        let each = defined.iter().zip(weights);
-        each.map(|(row, weight)| weight.powi(powers.0) * f64::from(row[condition]).powi(powers.1)).sum()
-    };
-    let (all, runs, candidates) = (of((1, 1)), of((2, 1)), of((2, 2)));
+    let (mut all, mut runs, mut candidates) = (0.0, 0.0, 0.0);
+    for (row, weight) in defined.iter().zip(weights) {
+        let own = weight * f64::from(row[condition]);
+        all += own;
+        runs += weight * own;
+        candidates += own * own;
+    }
     (candidates > 0.0).then(|| (all * all / runs, all * all / candidates))
 }
 
