@@ -151,7 +151,7 @@ impl DeclaredStream {
 enum Further<'a> {
     None,
     Alike(f64),
-    Drawn(KnownDistribution<'a>, RandomStream),
+    Drawn(KnownDistribution<'a>, Box<RandomStream>),
 }
 
 impl<'a> Further<'a> {
@@ -161,7 +161,7 @@ impl<'a> Further<'a> {
             FurtherGaps::Alike(gap) => Self::Alike(gap.evaluate_number(variables)?),
             FurtherGaps::Drawn { distribution, chance } => {
                 let seed = chance.evaluate_number(variables)?.to_bits();
-                Self::Drawn(distribution.known(variables)?, RandomStream::seeded(seed))
+                Self::Drawn(distribution.known(variables)?, Box::new(RandomStream::seeded(seed)))
             }
         })
     }
