@@ -518,9 +518,9 @@ fn undefined_runs_that_are_not_counted_are_no_runs_in_which_nothing_held() {
     // What rests on so few runs is luck, and is told.
     let warned = |what: &str| result.warnings.iter().any(|one| one.contains(what));
     assert!(warned("of equal weight that count for") && warned("under fresh noise"), "{:?}", result.warnings);
-    // As runs in which nothing held, they are out of reach.
-    let fails = of(&format!("{before} undefined fails")).unwrap_err().to_string();
-    assert!(fails.contains("no mixture of the candidates does what people did"), "{fails}");
+    // As runs in which nothing held, they would make it seldom.
+    let fails = of(&format!("{before} undefined fails")).unwrap();
+    assert!(fails.conditions.iter().all(|one| one.counted.is_none() && one.share.equal < 0.2));
     // Who goes before the first car goes before the second, too, unless only those count who are still there.
     let second = "match rate(gap_accepted(car_2, walker)) to \"people.csv\"";
     let equal = |where_: &str| {

@@ -126,9 +126,9 @@ impl CommotionsAgent {
             reasoning,
             // The published model knows one other, who is met wherever it is.
             met: (others.len() == 1).then_some(0),
+            moves: Vec::with_capacity(others.len()),
+            next: Vec::with_capacity(others.len()),
             others,
-            moves: Vec::new(),
-            next: Vec::new(),
             decided: false,
             drawn: Vec::with_capacity(MOST_DRAWN),
             thoughts: None,
