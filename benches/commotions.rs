@@ -82,7 +82,7 @@ fn undecided_for_seconds(bencher: Bencher, seconds: u32) {
 }
 
 /// A pedestrian who is kept from entering before so many cars on one lane, 2 s apart: 800 decisions.
-#[divan::bench(args = [1, 2, 10])]
+#[divan::bench(args = [1, 2, 10, 40])]
 fn among_cars_20_s(bencher: Bencher, cars: usize) {
     let variant: Variant = STANDARD.parse().unwrap();
     let rules = Rules { pedestrian_priority: true, entry_inhibited: true };

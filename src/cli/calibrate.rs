@@ -1,7 +1,7 @@
 //! `scenario-runner calibrate NAME FILE`: the `calibrate` block of a file. Without them: retains the parameter sets of the COMMOTIONS
-//! model that meet criteria.
+//! model that meet criteria, or with `--mix` joins populations.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -19,7 +19,7 @@ use models::calibrate::{
 use models::pedestrian::commotions::model::commotions;
 use models::pedestrian::commotions::{Variant, VariantError};
 use report::console::{stderr, stdout};
-use scenario::population::{Population, PopulationError};
+use scenario::population::{MixturePart, Population, PopulationError, shipped};
 use scenario::registry::Registry;
 
 #[derive(Debug, Args)]
@@ -52,6 +52,11 @@ pub struct CalibrateArguments {
     /// Of a block: write 20 populations for persons who are drawn again, into this folder.
     #[arg(long, value_name = "DIR", requires = "name")]
     resampled: Option<PathBuf>,
+
+    /// Join populations to one: everybody of each file, or of one that ships, with equal shares or, such as `germany.json=0.4`, with these.
+    /// Nobody is run. Repeated for each of them.
+    #[arg(long, value_name = "FILE[=SHARE]", value_parser = parse_mixed, conflicts_with_all = BY_CRITERIA, conflicts_with = "name")]
+    mix: Vec<Mixed>,
 
     /// Variant of the model: the published name.
     #[arg(long, default_value = "oVAoBEvoAIoEAoSNvoPF")]
@@ -130,6 +135,13 @@ pub struct CalibrateArguments {
     no_progress: bool,
 }
 
+/// A population of a mixture, and what part of it they are.
+#[derive(Debug, Clone)]
+struct Mixed {
+    population: String,
+    share: Option<f64>,
+}
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Designs {
     /// Every combination of the levels.
@@ -164,6 +176,8 @@ enum CalibrateError {
     NoBase,
     #[error(transparent)]
     Published(#[from] models::calibrate::PublishedError),
+    #[error(transparent)]
+    Mixture(#[from] scenario::population::MixtureError),
     #[error("cannot start {threads} threads: {error}")]
     Threads { threads: usize, error: rayon::ThreadPoolBuildError },
     #[error("cannot write {}: {error}", file.display())]
@@ -209,7 +223,8 @@ pub fn run(arguments: &CalibrateArguments, registry: &Registry) -> Exit {
         };
         return experiment::calibrate(&block, registry);
     }
-    match try_run(arguments) {
+    let done = if arguments.mix.is_empty() { try_run(arguments) } else { mix(arguments) };
+    match done {
         Ok(exit) => exit,
         Err(error) => {
             writeln!(stderr(), "error: {error}");
@@ -283,6 +298,30 @@ fn try_run(arguments: &CalibrateArguments) -> Result<Exit, CalibrateError> {
     Ok(Exit::Success)
 }
 
+/// Joins populations, and writes what comes of it.
+fn mix(arguments: &CalibrateArguments) -> Result<Exit, CalibrateError> {
+    let Some(out) = &arguments.out else { return Ok(Exit::Usage) };
+    let model = commotions().declaration;
+    let read = |mixed: &Mixed| -> Result<MixturePart, CalibrateError> {
+        let Mixed { population: name, share } = mixed;
+        let population = if shipped().any(|known| known == name) {
+            Population::parse(name, None, &model, None)?
+        } else {
+            Population::read(Path::new(name), &model, None, &Disk)?
+        };
+        let name =
+            Path::new(name).file_name().map_or_else(|| name.clone(), |name| name.to_string_lossy().into());
+        Ok(MixturePart { name, population, share: *share })
+    };
+    let parts = arguments.mix.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+    let mixture = Population::mixture(&parts)?;
+    files::write(out, mixture.to_json()?)
+        .map_err(|error| CalibrateError::Write { file: out.clone(), error })?;
+    writeln!(stdout(), "{}", mixture.source);
+    writeln!(stdout(), "wrote {}, digest {}", out.display(), mixture.digest());
+    Ok(Exit::Success)
+}
+
 /// The candidates, and in words where they come from.
 fn candidates(
     arguments: &CalibrateArguments,
@@ -353,6 +392,16 @@ fn summary(request: &Request, report: &Report) -> String {
     let share = 100.0 * retained as f64 / total as f64;
     text.push_str(&format!("{retained:>8} retained ({share:.1} %)\n"));
     text
+}
+
+fn parse_mixed(text: &str) -> Result<Mixed, String> {
+    let Some((population, share)) = text.rsplit_once('=') else {
+        return Ok(Mixed { population: text.to_string(), share: None });
+    };
+    let share = share.trim().parse().map_err(|_| {
+        format!("`{share}` is no share; write it like germany.json=0.4, or leave it out where all are equal")
+    })?;
+    Ok(Mixed { population: population.to_string(), share: Some(share) })
 }
 
 fn parse_range(text: &str) -> Result<ParameterRange, String> {

@@ -56,6 +56,10 @@ impl SomeMembers {
 fn conditions(rows: &[ObservedRow]) -> Result<Vec<(EncounterCondition, &ObservedRow)>, Failure> {
     let of = |row| {
         let row: &ObservedRow = row;
+        if row.by_count.is_empty() {
+            let reason = "says no persons by their counts, `persons_0` and so on, which are needed here";
+            return Err(format!("row {} {reason}", row.row).into());
+        }
         let gap = row.values.iter().find(|(name, _)| name == "gap");
         let condition = gap.and_then(|(_, gap)| EncounterCondition::of_row(&row.scenario, gap));
         condition.map(|condition| (condition, row)).ok_or_else(|| {

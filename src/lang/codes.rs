@@ -418,8 +418,9 @@ codes! {
          Without a scenario that has it there would be nothing to earn them.";
     BadObservations = "E0817", "what people did cannot be matched",
         "A `calibrate` block reads a CSV of what people did, a condition a row: `scenario`, what the scenario varies, `share`, `trials`, \
-         `persons`, and how many persons did so in 0, 1, … of their trials. Every row is about a condition of one of its scenarios, \
-         shares are between 0 and 1 and those of the counts. docs/populations.md has an example.";
+         `persons`, and how many persons did so in 0, 1, … of their trials, or `error`, `pair_share` and `pair_error` where persons had different \
+         numbers of trials. Every row is about a condition of one of its scenarios, shares are between 0 and 1 and those of the counts. \
+         docs/populations.md has an example.";
     BadCandidates = "E0818", "nobody can be weighed",
         "A `calibrate` block weighs candidates: there are more of them than targets, of a model that takes individuals, and every scenario \
          has one pedestrian who they can be. Every condition is a value that a variation lists. `match mean of` and `match deviation of` take a \

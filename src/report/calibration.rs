@@ -25,11 +25,16 @@ pub fn render_calibrate(result: &CalibrateResult) -> String {
     )
     .expect(STRING);
     for (what, rows) in [("share", rows(result, true)), ("spread between individuals", rows(result, false))] {
-        let mut lines = vec![headings(result, what)];
-        lines.extend(rows);
-        text += &columns(&lines);
+        if !rows.is_empty() {
+            let mut lines = vec![headings(result, what)];
+            lines.extend(rows);
+            text += &columns(&lines);
+        }
     }
     text.push_str("  in %; fresh: runs whose noise no weight has seen; left out: by weights that do not know the condition; apart: fresh less people\n");
+    if let Some(sentence) = counted_sentence(result) {
+        writeln!(text, "  {sentence}").expect(STRING);
+    }
     if !result.matched_parameters.is_empty() {
         let mut lines = vec![parameter_headings(result)];
         lines.extend(parameter_rows(result));
@@ -57,14 +62,21 @@ pub fn render_calibrate(result: &CalibrateResult) -> String {
 /// The headings of [`rows`].
 pub(super) fn headings(result: &CalibrateResult, what: &str) -> Vec<String> {
     let own = [what, "people", "equal", "fitted", "fresh", "left out", "apart"].map(String::from);
-    own.into_iter().chain(result.compared.iter().map(|one| one.name.clone())).collect()
+    let counted = only_some_count(result).then(|| "counted (runs)".to_string());
+    own.into_iter().chain(counted).chain(result.compared.iter().map(|one| one.name.clone())).collect()
 }
 
-/// A row for each condition, in %: the shares, or the spreads between individuals.
+/// Whether there are conditions in which not all runs count.
+pub(super) fn only_some_count(result: &CalibrateResult) -> bool {
+    result.conditions.iter().any(|one| one.counted.is_some())
+}
+
+/// A row for each condition, in %: the shares, or the spreads between individuals, as far as those of people are known.
 pub(super) fn rows(result: &CalibrateResult, shares: bool) -> Vec<Vec<String>> {
     let row = |(index, one): (usize, &CalibratedCondition)| {
-        let CalibratedShare { observed, error, equal, fitted, fresh, left_out, .. } =
-            if shares { one.share } else { one.spread };
+        let share = if shares { Some(one.share) } else { one.spread };
+        let CalibratedShare { observed, error, equal, fitted, fresh, left_out, .. } = share?;
+        let perhaps = |share: Option<f64>| share.map_or_else(|| "–".to_string(), points);
         let mut cells = vec![
             format!("{} {}", one.scenario, one.values).trim_end().to_string(),
             format!("{} ± {}", points(observed), points(error)),
@@ -74,13 +86,28 @@ pub(super) fn rows(result: &CalibrateResult, shares: bool) -> Vec<Vec<String>> {
             left_out.map_or_else(String::new, points),
             format!("{:+.1}", 100.0 * (fresh - observed)),
         ];
+        if only_some_count(result) {
+            let counted =
+                one.counted.map(|counted| format!("{} ({:.0})", points(counted.share), counted.runs));
+            cells.push(counted.unwrap_or_default());
+        }
         cells.extend(result.compared.iter().map(|other| {
             let (share, spread) = other.shares[index];
-            points(if shares { share } else { spread })
+            perhaps(if shares { share } else { spread })
         }));
-        cells
+        Some(cells)
     };
-    result.conditions.iter().enumerate().map(row).collect()
+    result.conditions.iter().enumerate().filter_map(row).collect()
+}
+
+/// What the column of the runs that count is.
+pub(super) fn counted_sentence(result: &CalibrateResult) -> Option<String> {
+    only_some_count(result).then(|| {
+        format!(
+            "Not all runs count for {}: the share of those that do, by weight, and on how many of equal weight the fresh share rests.",
+            result.matched
+        )
+    })
 }
 
 /// The headings of [`parameter_rows`].
@@ -149,10 +176,9 @@ pub fn draw_calibration(result: &CalibrateResult) -> String {
             writeln!(svg, "<path d=\"M{left} {at}h{WIDTH}\" stroke=\"#ddd\"/><text x=\"{}\" y=\"{}\" text-anchor=\"end\">{} %</text>", left - 4.0, at + 4.0, tenth * 10).expect(STRING);
         }
         for line in &drawn {
-            let points = of
-                .iter()
-                .enumerate()
-                .map(|(place, index)| format!("{:.1},{:.1}", x(place), y(line.shares[*index])));
+            let known =
+                of.iter().enumerate().filter_map(|(place, index)| Some((place, line.shares[*index]?)));
+            let points = known.map(|(place, share)| format!("{:.1},{:.1}", x(place), y(share)));
             let points = points.collect::<Vec<_>>().join(" ");
             writeln!(svg, "<polyline points=\"{points}\" fill=\"none\" {}/>", line.stroke()).expect(STRING);
         }
@@ -193,7 +219,8 @@ struct Drawn {
     words: String,
     colour: &'static str,
     dashes: &'static str,
-    shares: Vec<f64>,
+    /// `None` where nobody was left to do it.
+    shares: Vec<Option<f64>>,
 }
 
 impl Drawn {
@@ -208,7 +235,7 @@ const LOOKS: [(&str, &str); 3] = [("#d95f02", "7 3"), ("#7b3294", "2 3"), ("#008
 
 fn drawn(result: &CalibrateResult) -> Vec<Drawn> {
     let own = |of: &dyn Fn(&CalibratedShare) -> f64| {
-        result.conditions.iter().map(|one| of(&one.share)).collect::<Vec<_>>()
+        result.conditions.iter().map(|one| Some(of(&one.share))).collect::<Vec<_>>()
     };
     let mut drawn = vec![Drawn {
         words: format!("{}, fresh noise", result.name),

@@ -3,11 +3,11 @@
 use std::fmt::Write;
 
 use super::format::{quantity, with_unit};
-use super::wording::run_words;
+use super::wording::{ending_of, run_words};
 use results::judge::per_run;
 use results::{Outcome, Requests};
 use scenario::{Assignment, Case, Criterion, Dimension, Scenario, Value, World, Written, show};
-use sim::{Happening, StopReason, TimelineEvent};
+use sim::{Happening, TimelineEvent};
 
 /// The values that a case has of its own, in the units that they are written in: what its scenario varies.
 pub fn case_values(case: &Case, scenario: &Scenario) -> Vec<(String, String)> {
@@ -127,11 +127,7 @@ pub fn render_replay(
     for event in events {
         line(format!("  {:>8.3} s  {:<width$}  {}", event.time, event.who, describe(&event.what)));
     }
-    let reason = match outcome.ending.reason {
-        StopReason::Completed => "everybody has passed",
-        StopReason::Collision => "the run ends at the collision",
-        StopReason::Horizon => "time is up",
-    };
+    let reason = ending_of(outcome.ending.reason, &case.world);
     line(format!("  {:>8.3} s  {reason}", outcome.ending.time));
     line(String::new());
     for (reference, value) in requests.iter().zip(&outcome.metrics) {

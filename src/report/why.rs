@@ -8,12 +8,13 @@ use super::drawing::moment_text;
 use super::format::with_unit;
 use super::perceived::{perceived_words, road_user};
 use super::replay::{RunReason, describe, introduced, run_reasons};
+use super::wording::ending_of;
 use results::{
     CameOf, FirstSeen, Neighbour, Otherwise, OtherwiseRun, Outcome, Requests, Story, TriedDeceleration,
     WhatIf,
 };
 use scenario::{Case, Criterion, Dimension};
-use sim::{Happening, PerceivedView, StopReason, TimelineEvent};
+use sim::{Happening, PerceivedView, TimelineEvent};
 
 /// So many events are told besides who is shown whom and the contact.
 const EVENTS: usize = 6;
@@ -103,7 +104,7 @@ pub fn render_why(run: &WhyRun) -> String {
     values.push(format!("seed {}", case.seed));
     line(&format!("  with {}", values.join(", ")));
     course(run, moment(story, &reasons)).iter().for_each(|said| line(&format!("  {said}")));
-    let reason = ending_words(story.outcome.ending.reason);
+    let reason = ending_of(story.outcome.ending.reason, &case.world);
     line(&format!("  {:>7.2} s  {reason}{}", story.outcome.ending.time, cut_off(&story.outcome)));
     for reason in &reasons {
         line(&format!("  {} `{}`: {}", reason.verb, reason.criterion, reason.words));
@@ -131,15 +132,6 @@ pub fn render_moment(run: &WhyRun) -> String {
     format!("  from above, after {time:.2} s:\n{lines}")
 }
 
-/// Why a run ends.
-pub(super) fn ending_words(reason: StopReason) -> &'static str {
-    match reason {
-        StopReason::Completed => "everybody has passed",
-        StopReason::Collision => "the run ends at the collision",
-        StopReason::Horizon => "time is up",
-    }
-}
-
 /// `; not over for walker` of a run that was cut off.
 pub(super) fn cut_off(outcome: &Outcome) -> String {
     let Some(cut_off) = &outcome.cut_off else { return String::new() };
@@ -161,7 +153,8 @@ fn moment(story: &Story, reasons: &[RunReason]) -> Option<f64> {
 fn course(run: &WhyRun, moment: Option<f64>) -> Vec<String> {
     let story = run.story;
     let stamp = |time: f64, said: String| (time, format!("{time:>7.2} s  {said}"));
-    let seen = story.first_seen.iter().map(|seen| first_sight(run, seen));
+    let seen = story.first_seen.iter().filter(|seen| is_of_interest(run, seen));
+    let seen = seen.map(|seen| first_sight(run, seen));
     let (seen, never): (Vec<_>, Vec<_>) = seen.partition(|(time, _)| time.is_some());
     let mut lines: Vec<(f64, String)> =
         seen.into_iter().filter_map(|(time, said)| Some(stamp(time?, said))).collect();
@@ -213,6 +206,23 @@ fn misperceived<'r>(run: &WhyRun<'r>, moment: Option<f64>) -> Vec<&'r PerceivedV
     let views = &run.story.trace.perceived;
     let vehicles = 0..run.case.world.vehicles.len();
     vehicles.filter_map(|vehicle| PerceivedView::last(views, vehicle, moment)).collect()
+}
+
+/// Whether more than the place in a stream is to be told of a vehicle: of each stream of the one that touched, and of the nearest.
+fn is_of_interest(run: &WhyRun, seen: &FirstSeen) -> bool {
+    let (world, story) = (&run.case.world, run.story);
+    let stream = |name: &str| {
+        let index = world.vehicles.iter().position(|car| car.name == name)?;
+        world.streams.iter().position(|stream| stream.vehicles.contains(&index))
+    };
+    let own = stream(&seen.vehicle);
+    let touched = story.contact.as_ref().is_some_and(|contact| contact.vehicle == seen.vehicle);
+    let distance = |one: &FirstSeen| one.distance.unwrap_or(f64::INFINITY);
+    let mut alike = story
+        .first_seen
+        .iter()
+        .filter(|one| one.pedestrian == seen.pedestrian && stream(&one.vehicle) == own);
+    own.is_none() || touched || alike.all(|one| distance(seen) <= distance(one))
 }
 
 /// When somebody was first shown whom, s, and that in words.

@@ -11,8 +11,26 @@ use results::{
     Skip, Standing, SuiteReport, TrialReport, TrialState, TrialVerdict, UnitReport, Untested, UntestedPair,
     Verdict, WaitingStep, WorstRun,
 };
-use scenario::{Comparison, Keep, MetricKind, Notation, People, Relation, Search, Stake, significant};
+use scenario::{Comparison, Keep, MetricKind, Notation, People, Relation, Search, Stake, World, significant};
+use sim::StopReason;
 use sim::measure::Closeness;
+
+/// Why a run ends.
+pub fn ending_words(reason: StopReason) -> &'static str {
+    match reason {
+        StopReason::Completed => "everybody has passed",
+        StopReason::Collision => "the run ends at the collision",
+        StopReason::Horizon => "time is up",
+    }
+}
+
+/// The same of a run in this world: for the last vehicles of streams no run waits.
+pub fn ending_of(reason: StopReason, world: &World) -> &'static str {
+    match reason {
+        StopReason::Completed if !world.streams.is_empty() => "everybody has passed for whom the run waits",
+        reason => ending_words(reason),
+    }
+}
 
 /// What was found: `holds in 18 of 20 runs`, `85 %`, `1.62 s`; `–` if no run has a value.
 pub fn observed(finding: &Finding) -> String {
@@ -463,7 +481,7 @@ fn alike(findings: &[Finding]) -> Option<String> {
     ))
 }
 
-/// Steps of scripts that never began, vehicles that left the road, streams that were over before somebody went across, and times between centres where bodies overlap: `step 1 of \`av\`, \`when distance < d1 stop\`, began in no run: what
+/// Steps of scripts that never began, vehicles that left the road, streams that were over before a pedestrian went across, and times between centres where bodies overlap: `step 1 of \`av\`, \`when distance < d1 stop\`, began in no run: what
 /// it brings about is untested`.
 pub fn not_as_declared(judged: &TrialVerdict) -> Vec<String> {
     let steps = judged.never_began.iter().map(|WaitingStep { of, step }| {
@@ -480,7 +498,7 @@ pub fn not_as_declared(judged: &TrialVerdict) -> Vec<String> {
     });
     let outlasted = judged.outlasted.iter().map(|OutlastedRuns { outlasted, runs, of }| {
         format!(
-            "the last vehicle of `{}` had passed before `{}` went across in {runs} of {}: nobody knows which gap it would have taken",
+            "the last vehicle of `{}` had passed before `{}` went across in {runs} of {}: which gap it would have taken is not known",
             outlasted.stream,
             outlasted.pedestrian,
             count(*of, "run")

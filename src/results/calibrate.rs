@@ -77,10 +77,25 @@ pub struct CalibratedCondition {
     pub persons: u32,
     /// Share of the candidates' runs in which the metric does not exist or was cut off, by weight.
     pub undefined: f64,
+    /// Which runs the shares are of, where not all count.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub counted: Option<CountedRuns>,
     /// The share of trials.
     pub share: CalibratedShare,
-    /// The share of pairs of a person's trials in which both hold.
-    pub spread: CalibratedShare,
+    /// The share of pairs of a person's trials in which both hold; `None` where it is not known of people.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spread: Option<CalibratedShare>,
+}
+
+/// The runs that shares are of, where not all count.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct CountedRuns {
+    /// Their share of all, by the weights, 0 to 1.
+    pub share: f64,
+    /// On how many runs of equal weight the share under fresh noise rests.
+    pub runs: f64,
+    /// Of how many candidates of equal weight.
+    pub candidates: f64,
 }
 
 /// A population that was put into the conditions of a calibration.
@@ -94,8 +109,8 @@ pub struct ComparedPopulation {
     pub individuals: usize,
     /// Runs of each in every condition.
     pub runs: u32,
-    /// Share of runs and share of pairs of a person's runs, of each condition in their order, 0 to 1.
-    pub shares: Vec<(f64, f64)>,
+    /// Share of runs and share of pairs of a person's runs, of each condition in their order, 0 to 1; `None` where nobody was left to do it.
+    pub shares: Vec<(Option<f64>, Option<f64>)>,
     /// What the matched statistics of parameters are among them, SI units, in their order; `None` where nobody says it.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub parameters: Vec<Option<f64>>,
@@ -133,7 +148,7 @@ pub struct CalibratedShare {
     pub fitted: f64,
     /// By the weights, in other runs.
     pub fresh: f64,
-    /// By weights that do not know the condition; `None` of a single condition.
+    /// By weights that do not know the condition; `None` of a single condition, and where they leave nobody to do it.
     pub left_out: Option<f64>,
     /// Whether the weights were to match it.
     pub matched: bool,
@@ -152,17 +167,23 @@ impl CalibrateResult {
             .conditions
             .iter()
             .map(|one| {
-                json!({
+                let mut told = json!({
                     "scenario": one.scenario,
                     "values": one.values,
                     "observed": one.share.observed,
                     "error": one.share.error,
                     "fresh": one.share.fresh,
                     "left_out": one.share.left_out,
-                    "spread_observed": one.spread.observed,
-                    "spread_error": one.spread.error,
-                    "spread_fresh": one.spread.fresh,
-                })
+                });
+                if let Some(spread) = &one.spread {
+                    told["spread_observed"] = json!(spread.observed);
+                    told["spread_error"] = json!(spread.error);
+                    told["spread_fresh"] = json!(spread.fresh);
+                }
+                if let Some(counted) = one.counted {
+                    told["counted"] = json!(counted);
+                }
+                told
             })
             .collect();
         let provenance = [

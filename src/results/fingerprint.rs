@@ -8,8 +8,9 @@ use sha2::{Digest, Sha256};
 
 use crate::{
     BlockResult, CalibrateResult, CalibratedCondition, CalibratedParameter, CalibratedShare, Candidate,
-    CaseRun, ClaimResult, ClaimValues, ComparedEstimate, ConditionResult, CoursePoint, EstimateResult,
-    EvaluateResult, Found, MetricCourse, SearchResult, StatementResult, TrendPoint, TuneResult, Violations,
+    CaseRun, ClaimResult, ClaimValues, ComparedEstimate, ConditionResult, CountedRuns, CoursePoint,
+    EstimateResult, EvaluateResult, Found, MetricCourse, SearchResult, StatementResult, TrendPoint,
+    TuneResult, Violations,
 };
 use numbers::random::digest_bits;
 use optimise::Coordinate;
@@ -109,8 +110,8 @@ impl Mixture {
         weights.iter().for_each(|weight| self.number(*weight));
         self.numbers(&[*folds_rms, *left_out_rms]);
         for (share, spread) in compared.iter().flat_map(|one| &one.shares) {
-            self.number(*share);
-            self.number(*spread);
+            self.number(share.unwrap_or(f64::NAN));
+            self.number(spread.unwrap_or(f64::NAN));
         }
         for CalibratedParameter { parameter: _, statistic: _, unit: _, wanted, within, equal, fitted } in
             matched_parameters
@@ -120,14 +121,27 @@ impl Mixture {
         for statistic in compared.iter().flat_map(|one| &one.parameters) {
             self.perhaps(*statistic);
         }
-        for CalibratedCondition { scenario: _, values: _, trials, persons, undefined, share, spread } in
-            conditions
+        for CalibratedCondition {
+            scenario: _,
+            values: _,
+            trials,
+            persons,
+            undefined,
+            counted,
+            share,
+            spread,
+        } in conditions
         {
             self.count(*trials as usize);
             self.count(*persons as usize);
             self.number(*undefined);
+            if let Some(CountedRuns { share, runs, candidates }) = counted {
+                self.number(*share);
+                self.number(*runs);
+                self.number(*candidates);
+            }
             for CalibratedShare { observed, error, equal, fitted, fresh, left_out, matched: _ } in
-                [share, spread]
+                std::iter::once(share).chain(spread)
             {
                 [observed, error, equal, fitted, fresh].into_iter().for_each(|number| self.number(*number));
                 self.perhaps(*left_out);

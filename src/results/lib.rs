@@ -62,6 +62,7 @@ pub struct Results {
 pub use block::{BlockReport, BlockResult, BlockState};
 pub use calibrate::{
     CalibrateResult, CalibratedCondition, CalibratedParameter, CalibratedShare, ComparedPopulation,
+    CountedRuns,
 };
 pub use cases::{CaseRun, MetricSummary, SavedCase, SavedSet};
 pub use chosen::{Chosen, choose_runs};

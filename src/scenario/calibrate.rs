@@ -17,6 +17,13 @@ pub struct Calibrate {
     pub scenarios: Vec<String>,
     /// What is counted of every run; it says itself what an undefined run counts as.
     pub condition: Comparison,
+    /// Whether undefined runs are not counted: shares are then of the other runs, as those of people are of the trials in which they
+    /// were still there.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub only_defined: bool,
+    /// Only runs in which this holds count, such as those in which somebody is still there.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub counted_where: Option<Comparison>,
     /// In canonical words, such as `rate(gap_accepted)`.
     pub text: String,
     /// What people did.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Dimension, Expression, Metric, Notation, Reference, Settings, Stream, Value, show};
+use super::{Dimension, Expression, Metric, Notation, Reference, Settings, TrafficStream, Value, show};
 
 /// A metric of one run compared to a bound.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -145,7 +145,7 @@ impl MetricReference {
     pub fn is_of_vehicle(&self, name: &str) -> bool {
         let Some((first, _)) = &self.pair else { return true };
         if self.of_stream {
-            Stream::of_member(name).is_some_and(|(stream, _)| stream == first)
+            TrafficStream::of_member(name).is_some_and(|(stream, _)| stream == first)
         } else {
             first == name
         }

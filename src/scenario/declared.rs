@@ -12,8 +12,8 @@ use super::{
     Calibrate, ControllerModel, Criterion, DeclaredBend, DeclaredDraw, DeclaredGround, DeclaredOtherRoad,
     DeclaredSignal, DeclaredStream, Distribution, DynamicsModel, Estimate, Evaluate, EvaluationError,
     Expression, Gate, Individuals, MetricReference, Notation, Origin, PedestrianModel, PerceptionModel,
-    PopulationShare, Rating, Reference, Road, RoadUserKind, Search, Side, Statement, Stream, Tune, Value,
-    VariedValue, VehicleReference, Written,
+    PopulationShare, Rating, Reference, Road, RoadUserKind, Search, Side, Statement, TrafficStream, Tune,
+    Value, VariedValue, VehicleReference, Written,
 };
 
 /// A suite: scenarios and what holds for all of them. A bare `.scn` file becomes a suite named after the file.
@@ -202,7 +202,7 @@ pub struct Scenario {
 impl Scenario {
     /// What declares a vehicle of this name, which may be one of a stream.
     pub fn vehicle(&self, name: &str) -> Option<&Vehicle> {
-        let stream = Stream::of_member(name);
+        let stream = TrafficStream::of_member(name);
         let declares = |car: &&Vehicle| match car.start {
             DeclaredVehicleStart::Stream(_) => stream.is_some_and(|(stream, _)| stream == car.name),
             _ => car.name == name,

@@ -10,8 +10,8 @@ use serde::{Deserialize, Serialize, Serializer};
 use super::agent::{CommandKind, Controller, Dynamics, ModelError, Pedestrian, Perception, Schedule};
 use super::{
     Appearance, Attention, Chance, Declaration, DeclaredProgram, Dimension, MayGo, Parameter, Path, Position,
-    Reference, Registered, Road, RoadUserKind, SettingError, Settings, Shape, Side, SignalConduct, Stream,
-    Text, VehicleStart,
+    Reference, Registered, Road, RoadUserKind, SettingError, Settings, Shape, Side, SignalConduct, Text,
+    TrafficStream, VehicleStart,
 };
 
 /// What the simulation needs to know of a case.
@@ -26,7 +26,7 @@ pub struct World {
     pub vehicles: Vec<VehicleSetup>,
     /// Those of them that come one after the other.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub streams: Vec<Stream>,
+    pub streams: Vec<TrafficStream>,
     /// In the order in which they are declared, which is that of every index of a pedestrian.
     pub pedestrians: Vec<PedestrianSetup>,
     /// s

@@ -114,7 +114,7 @@ pub use individuals::{Individuals, PopulationShare};
 pub use known_distribution::{DrawnValue, KnownDistribution, at_share};
 pub use metric::{Absence, Meters, Metric, MetricKind, MetricRange, Scope, Stake, Worst};
 pub use notation::{Notation, Written, out_of_range, show, show_apart, show_both, show_outside};
-pub use observations::{ObservationError, Observations, ObservedRow};
+pub use observations::{ObservationError, Observations, ObservedErrors, ObservedRow};
 pub use optimisation::{
     Budget, CaseSet, Goal, InitialDesign, Keep, Objective, Part, RangeValues, SampleSize, Search,
     SearchMethod, SearchRange, ShownIn, Target, Tune,
@@ -135,7 +135,7 @@ pub use statement::{
     DeclaredStanding, Measured, OutcomesOf, Quantity, Statement, StatementClaim, StatementClaimKind,
     TrendDirection,
 };
-pub use stream::{DeclaredStream, FurtherGaps, Stream, StreamError};
+pub use stream::{DeclaredStream, FurtherGaps, StreamError, TrafficStream};
 pub use symbol::Symbol;
 pub use traffic_signal::{DeclaredSignal, STOP_LINE, SeenSignal, SignalError, SignalState, TrafficSignal};
 pub use trial::{Rounds, Trial};

@@ -3,6 +3,7 @@
 //! JSON with provenance, JSON as the published fits come (several variants in one file), or CSV. The format is
 //! documented in `docs/populations.md`.
 
+mod mixture;
 mod plausibility;
 
 use std::collections::BTreeMap;
@@ -15,6 +16,7 @@ use thiserror::Error;
 use crate::{Declaration, Parameter, Settings, Value};
 use files::{Files, hexadecimal};
 
+pub use mixture::{MixtureError, MixturePart};
 pub use plausibility::Plausibility;
 
 /// Whoever meets the published criteria.

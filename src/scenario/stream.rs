@@ -12,7 +12,7 @@ use super::{
 
 /// The vehicles of a stream in one run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Stream {
+pub struct TrafficStream {
     /// As the scenario calls it.
     pub name: String,
     /// Indices into [`World::vehicles`](crate::World::vehicles), in the order in which they arrive; at least 1. All drive on one lane.
@@ -21,7 +21,7 @@ pub struct Stream {
     pub arrivals: Vec<f64>,
 }
 
-impl Stream {
+impl TrafficStream {
     /// More vehicles than this are taken for a mistake.
     pub const MOST: usize = 200;
 
@@ -87,7 +87,7 @@ pub enum StreamError {
         gap: f64,
     },
     /// There would be more vehicles than a stream may have.
-    #[error("more than {} vehicles arrive within {within} s", Stream::MOST)]
+    #[error("more than {} vehicles arrive within {within} s", TrafficStream::MOST)]
     TooMany {
         /// s
         within: f64,
@@ -99,7 +99,7 @@ impl DeclaredStream {
     /// known which gap is open then.
     ///
     /// # Errors
-    /// A number without a value, a gap that is not above 0, or more than [`Stream::MOST`] vehicles.
+    /// A number without a value, a gap that is not above 0, or more than [`TrafficStream::MOST`] vehicles.
     pub fn arrivals(&self, variables: &BTreeMap<String, Value>, until: f64) -> Result<Vec<f64>, StreamError> {
         let mut further = Further::of(&self.then, variables)?;
         let mut last = self.first.evaluate_number(variables)?;
@@ -116,7 +116,7 @@ impl DeclaredStream {
             if gap.is_nan() || gap <= 0.0 {
                 return Err(StreamError::Gap { number, gap });
             }
-            if number == Stream::MOST {
+            if number == TrafficStream::MOST {
                 return Err(StreamError::TooMany { within: until });
             }
             last += gap;
@@ -151,7 +151,7 @@ impl DeclaredStream {
 enum Further<'a> {
     None,
     Alike(f64),
-    Drawn(KnownDistribution<'a>, RandomStream),
+    Drawn(KnownDistribution<'a>, Box<RandomStream>),
 }
 
 impl<'a> Further<'a> {
@@ -161,7 +161,7 @@ impl<'a> Further<'a> {
             FurtherGaps::Alike(gap) => Self::Alike(gap.evaluate_number(variables)?),
             FurtherGaps::Drawn { distribution, chance } => {
                 let seed = chance.evaluate_number(variables)?.to_bits();
-                Self::Drawn(distribution.known(variables)?, RandomStream::seeded(seed))
+                Self::Drawn(distribution.known(variables)?, Box::new(RandomStream::seeded(seed)))
             }
         })
     }
@@ -265,12 +265,12 @@ mod tests {
 
     #[test]
     fn members_have_the_name_of_their_stream_and_a_number() {
-        assert_eq!(Stream::member_name("cars", 0), "cars_1");
-        assert_eq!(Stream::of_member("far_cars_12"), Some(("far_cars", 11)));
+        assert_eq!(TrafficStream::member_name("cars", 0), "cars_1");
+        assert_eq!(TrafficStream::of_member("far_cars_12"), Some(("far_cars", 11)));
         for none in [
             "cars", "cars_0", "cars_01", "cars_201", "cars_", "cars_-1", "cars_+1", "cars_x", "_1", "cars_1b",
         ] {
-            assert_eq!(Stream::of_member(none), None, "{none}");
+            assert_eq!(TrafficStream::of_member(none), None, "{none}");
         }
     }
 }

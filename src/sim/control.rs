@@ -29,6 +29,8 @@ pub(super) struct Control {
     observation: Observation,
     /// What perception leaves of it, if there is any.
     view: Option<Observation>,
+    /// Whether it is told of anybody.
+    sees_others: bool,
     /// Whether each of the others is in it, pedestrians first, at the last decision and now; empty where all are seen.
     in_view: Vec<(bool, bool)>,
     /// What the vehicle does until the next decision takes effect.
@@ -124,6 +126,7 @@ impl Control {
                 None => Vec::new(),
             },
             view: driven.perception.is_some().then(observed),
+            sees_others: driven.perception.is_some() || driven.driver.looks_at_others(),
             kinds: world.pedestrians.iter().map(|setup| setup.kind).collect(),
             held: Held::Command(Command::Acceleration(0.0)),
             curvature: None,
@@ -457,11 +460,18 @@ impl Control {
             self.bends.tell(ego.motion.travelled, seen.ego.curvature, &mut seen.road.curvature_ahead);
         }
         self.crossings.tell(time, ego.motion.travelled, road, seen);
+        if !self.sees_others {
+            return;
+        }
+        let here = match ego.path.course() {
+            None => ego.path.point(ego.motion.travelled),
+            Some(_) => Vector2::zeros(),
+        };
         seen.pedestrians.clear();
         seen.pedestrians.extend(now.pedestrians.iter().enumerate().filter(|(_, state)| state.present).map(
             |(id, state)| {
                 let seen = match ego.path.course() {
-                    None => Seen::new(ego, state.position),
+                    None => Seen::new((ego, here), state.position),
                     Some(_) => Seen::abreast(ego, abreast.locate(me, &ego.path, id, state.position)),
                 };
                 SeenPedestrian {
@@ -477,7 +487,7 @@ impl Control {
         seen.vehicles.clear();
         seen.vehicles.extend(now.vehicles.iter().enumerate().filter(|(id, _)| *id != me).map(
             |(id, state)| {
-                let seen = Seen::new(ego, state.position());
+                let seen = Seen::new((ego, here), state.position());
                 SeenVehicle {
                     id,
                     position: seen.position,
@@ -499,11 +509,11 @@ struct Seen<'a> {
 }
 
 impl<'a> Seen<'a> {
-    fn new(ego: &'a VehicleState, place: Vector2<f64>) -> Self {
+    /// `here` is the place of its lane (world frame, m) that the vehicle is at, if that is straight.
+    fn new((ego, here): (&'a VehicleState, Vector2<f64>), place: Vector2<f64>) -> Self {
         if ego.path.course().is_none() {
             // Seen from its lane, also where it is beside that.
-            let here = ego.motion.travelled;
-            let position = ego.path.turned(here, place - ego.path.point(here));
+            let position = ego.path.turned(ego.motion.travelled, place - here);
             return Self { ego, position, abreast: None };
         }
         Self::abreast(ego, ego.path.locate(place))

@@ -6,6 +6,7 @@ use nalgebra::Vector2;
 use thiserror::Error;
 
 use super::abreast::Abreast;
+use super::arrival::{Arrivals, has_crossed};
 use super::change::{GivenCommand, Otherwise, Postponed, RunChange, TIME_TOLERANCE};
 use super::contact::Contacts;
 use super::control::Control;
@@ -25,7 +26,7 @@ use scenario::agent::{
     Command, ControllerError, Mode, Motion, Observation, Pedestrian, PedestrianState, Scene, ScriptStep,
     Snapshot, VehicleState,
 };
-use scenario::{Appearance, Path, PedestrianSetup, VehicleReference, VehicleSetup, World};
+use scenario::{Appearance, PedestrianSetup, VehicleReference, World};
 
 /// The time at which a run ends that nothing ends before its horizon, s: a whole number of steps.
 pub fn longest_run(horizon: f64, step: f64) -> f64 {
@@ -100,55 +101,6 @@ pub enum Progress {
     Ended(Ending),
 }
 
-/// Whether a vehicle has passed the finish line, or a pedestrian every vehicle's lane, or the goal of who walks along one. Boxes are where they
-/// are.
-pub fn has_arrived(world: &World, state: &Snapshot, who: Solid) -> bool {
-    match who {
-        Solid::Vehicle(index) => state.vehicles[index].motion.travelled >= world.finish,
-        Solid::Pedestrian(index) => {
-            let person = &state.pedestrians[index];
-            let mut cars = state.vehicles.iter().zip(&world.vehicles);
-            person.present && cars.all(|(car, driven)| has_crossed(world, state, index, (car, driven)))
-        }
-        Solid::Box(_) => true,
-    }
-}
-
-/// At a goal, but for rounding, m.
-const AT_THE_GOAL: f64 = 1e-6;
-
-/// Whether a pedestrian has left the lane of a vehicle behind; of who walks along it, whether they are at their goal.
-pub fn has_crossed(
-    world: &World,
-    state: &Snapshot,
-    pedestrian: usize,
-    (car, driven): (&VehicleState, &VehicleSetup),
-) -> bool {
-    let setup = &world.pedestrians[pedestrian];
-    let place = state.pedestrians[pedestrian].position;
-    if car.path.course().is_none() {
-        if !setup.crosses(&world.road) {
-            let way = Vector2::from(setup.goal) - Vector2::from(setup.start);
-            return walked(setup, place) >= way.norm() - AT_THE_GOAL;
-        }
-        return car.path.beyond(place, setup.side) >= world.road.lane_width / 2.0;
-    }
-    walked(setup, place) >= way_across(world, setup, (driven, &car.path))
-}
-
-/// The way (m) from somebody's start until a path that bends is left behind: to the edge of its lane that they leave it by, or to
-/// their goal if that is never reached. Who does not cross the lane of a vehicle on another road has none of it before them.
-fn way_across(world: &World, setup: &PedestrianSetup, (car, path): (&VehicleSetup, &Path)) -> f64 {
-    let (start, goal) = (Vector2::from(setup.start), Vector2::from(setup.goal));
-    if setup.follows.is_some() {
-        return walked(setup, goal) - AT_THE_GOAL;
-    }
-    let side = if car.road == 0 { Some(setup.side) } else { world.crosses_from(setup, car) };
-    let Some(side) = side else { return 0.0 };
-    let edge = path.way_to_far_edge((start, goal), side, world.road_of(car).lane_width);
-    edge.unwrap_or_else(|| (goal - start).norm())
-}
-
 /// A run under way. Whoever drives it calls [`Self::next`], and decides for those who are asked, until it has ended. What
 /// comes of it does not depend on who decides, nor on what else goes on between two calls.
 pub struct Course {
@@ -164,8 +116,7 @@ pub struct Course {
     ways: Vec<Way>,
     /// Which leg of their way they are on.
     legs: Vec<Legs>,
-    /// The way (m) of each pedestrian across the path of each vehicle, one after the other, where paths bend.
-    across: Vec<f64>,
+    arrivals: Arrivals,
     abreast: Abreast,
     /// The place at which each pedestrian meets the path of the vehicle that it waits for, m.
     meetings: Vec<f64>,
@@ -228,7 +179,7 @@ impl Course {
             earlier: vec![(Motion::Walk(Vector2::zeros()), 0.0); ways.len()],
             ways,
             legs: world.pedestrians.iter().map(Legs::new).collect(),
-            across: ways_across(&world),
+            arrivals: Arrivals::new(&world),
             abreast: Abreast::new(&world),
             meetings: world.pedestrians.iter().map(|setup| meeting_place(&world, setup)).collect(),
             pedestrian_modes: vec![Mode::NONE; world.pedestrians.len()],
@@ -692,47 +643,12 @@ impl Course {
         }
     }
 
-    /// Whether every vehicle has passed the finish line and every pedestrian every vehicle's lane.
-    fn is_complete(&self) -> bool {
-        let vehicles = (0..self.now.vehicles.len()).map(Solid::Vehicle);
-        let comes = |index: &usize| self.postponed.as_ref().is_none_or(|one| !one.never(*index));
-        let people = (0..self.now.pedestrians.len()).filter(comes);
-        let mut everybody = vehicles.chain(people.map(Solid::Pedestrian));
-        if self.across.is_empty() {
-            return everybody.all(|who| has_arrived(&self.world, &self.now, who));
-        }
-        let cars = self.now.vehicles.len();
-        everybody.all(|who| match who {
-            Solid::Pedestrian(index) => {
-                let person = &self.now.pedestrians[index];
-                let come = walked(&self.world.pedestrians[index], person.position);
-                let left = |car: usize| match self.now.vehicles[car].path.course() {
-                    // Those of a straight road as if there were no other.
-                    None => {
-                        let both = (&self.now.vehicles[car], &self.world.vehicles[car]);
-                        has_crossed(&self.world, &self.now, index, both)
-                    }
-                    Some(_) => come >= self.across[index * cars + car],
-                };
-                person.present && (0..cars).all(left)
-            }
-            who => has_arrived(&self.world, &self.now, who),
-        })
+    /// Whether everybody whom the run waits for has arrived.
+    fn is_complete(&mut self) -> bool {
+        let (postponed, time) = (&self.postponed, self.time());
+        let comes = |index: usize| postponed.as_ref().is_none_or(|one| !one.never(index));
+        self.arrivals.are_complete(&self.world, &self.now, time, comes)
     }
-}
-
-/// Of every pedestrian across the path of every vehicle, m; nothing on a straight road.
-fn ways_across(world: &World) -> Vec<f64> {
-    if world.road.bend.is_none() && world.other_roads.is_empty() {
-        return Vec::new();
-    }
-    let paths: Vec<(&VehicleSetup, Path)> =
-        world.vehicles.iter().map(|setup| (setup, world.path_of(setup))).collect();
-    let ways = world
-        .pedestrians
-        .iter()
-        .flat_map(|setup| paths.iter().map(|(car, path)| way_across(world, setup, (car, path))));
-    ways.collect()
 }
 
 /// Puts vehicles where the same ones are in another state: how they move and where they are steered is all that changes in a run.

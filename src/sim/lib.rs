@@ -16,6 +16,7 @@
 #![deny(clippy::print_stdout, clippy::print_stderr, clippy::dbg_macro)]
 
 mod abreast;
+mod arrival;
 mod change;
 mod clear_ahead;
 mod closing;
@@ -54,10 +55,11 @@ mod wait_for_green;
 mod way;
 
 pub use abreast::Abreast;
+pub use arrival::{has_arrived, has_crossed};
 pub use change::{GivenCommand, RunChange, brakes};
 pub use contact::{Contacts, Touch};
-pub use course::{Course, Fault, Progress, has_arrived, has_crossed, longest_run, simulate, walking_time};
-pub use fingerprint::Fingerprint;
+pub use course::{Course, Fault, Progress, longest_run, simulate, walking_time};
+pub use fingerprint::{Fingerprint, RunFingerprint};
 pub use first_sight::{decides_at_first_sight, looks_until_all_are_past};
 pub use hit::{hit_along, hit_at};
 pub use observer::{Ending, Minds, Observer, Step, StopReason};

@@ -124,7 +124,8 @@ pub struct Ending {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum StopReason {
-    /// Every vehicle passed the finish line and every pedestrian is across.
+    /// Every pedestrian is across and every vehicle passed the finish line; of a stream those up to the one that closes the gap that the last
+    /// pedestrian took.
     Completed,
     /// A vehicle touched something and the scenario ends on collision.
     Collision,

@@ -1,6 +1,7 @@
 //! Who draws in a run, and what for: one stream per agent and purpose, so that a draw added to one never shifts another's.
 
-use numbers::random::{Stream, derive_seed};
+use numbers::random::{Stream, derive_seed, ranks};
+use scenario::World;
 
 /// Who draws: a pedestrian or a vehicle, by its [rank](numbers::random::ranks) among its kind. A draw added to one
 /// agent never shifts another's.
@@ -34,6 +35,27 @@ pub fn stream(seed: u64, agent: Agent, purpose: Purpose) -> Stream {
         Agent::Vehicle(index) => (2, index),
     };
     Stream::numbered(seed, kind << 56 | (index as u64) << 8 | purpose as u64)
+}
+
+/// So many vehicles of a stream have ranks of their own.
+const STREAM_RANKS: usize = 1 << 20;
+
+/// The ranks of all vehicles of a world, in its order. Those of a stream have ranks beyond all others, by the rank of the stream and by their
+/// places in it, so that a vehicle more at the end of a stream shifts no draws of anybody.
+pub fn vehicle_ranks(world: &World) -> Vec<usize> {
+    let names: Vec<&str> = world.streams.iter().map(|stream| stream.name.as_str()).collect();
+    let mut all: Vec<Option<usize>> = vec![None; world.vehicles.len()];
+    for (stream, rank) in world.streams.iter().zip(ranks(&names)) {
+        for (place, vehicle) in stream.vehicles.iter().enumerate() {
+            all[*vehicle] = Some((rank + 1) * STREAM_RANKS + place);
+        }
+    }
+    let alone = world.vehicles.iter().zip(&all).filter(|(_, rank)| rank.is_none());
+    let names: Vec<&str> = alone.map(|(setup, _)| setup.name.as_str()).collect();
+    let mut others = ranks(&names).into_iter();
+    all.into_iter()
+        .map(|rank| rank.or_else(|| others.next()).expect("one rank for each of the others"))
+        .collect()
 }
 
 /// The stream of what a scenario declares to be drawn, by its name, in the run with seed `seed`. What else is drawn shifts nothing, and no

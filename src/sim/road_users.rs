@@ -56,4 +56,12 @@ impl Driver {
             Self::Outside { settling_time, .. } => *settling_time,
         }
     }
+
+    /// Whether it may look at pedestrians or other vehicles.
+    pub fn looks_at_others(&self) -> bool {
+        match self {
+            Self::Inside(controller) => controller.looks_at_others(),
+            Self::Outside { .. } => true,
+        }
+    }
 }

@@ -71,6 +71,12 @@ pub fn is_behind_a_box(
     boxes.any(|one| covers(&one, eye, place))
 }
 
+/// Whether nothing could hide a vehicle from a pedestrian, so that they see them all.
+pub fn sees_all_vehicles(scene: &Scene) -> bool {
+    let may_hide = || scene.vehicles.iter().any(|vehicle| vehicle.length > LOOKED_OVER);
+    scene.road.boxes.is_empty() && (scene.vehicles.len() == 1 || !may_hide())
+}
+
 /// Whether a pedestrian sees a vehicle, by its index: no box hides its centre, and no others that are longer than [`LOOKED_OVER`] hide most of it.
 #[inline]
 pub fn sees_vehicle(scene: &Scene, vehicle: usize) -> bool {

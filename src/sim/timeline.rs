@@ -227,7 +227,12 @@ impl Timeline {
                 self.add(step.time + part * step.duration, name, what);
             }
         }
-        for car in &step.before.vehicles {
+        let lane = |vehicle: usize| (world.vehicles[vehicle].road, world.vehicles[vehicle].lane);
+        for (vehicle, car) in step.before.vehicles.iter().enumerate() {
+            // Told once of all that drive there.
+            if (0..vehicle).any(|other| lane(other) == lane(vehicle)) {
+                continue;
+            }
             if let Some(part) = car.path.passed_between(before.position, after.position) {
                 let time = step.time + part * step.duration;
                 self.add(time, name, Happening::PassesConflictPoint);

@@ -20,6 +20,7 @@ mod init;
 mod last_run;
 mod lsp;
 mod lsp_names;
+mod mixtures;
 mod names;
 mod numbers;
 mod outputs;

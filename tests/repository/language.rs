@@ -467,14 +467,12 @@ fn variations_choose_what_drives_and_walks() {
 }
 
 /// Codes that need a file no repository should hold, or values from the command line (`tests/commands/set.rs`).
-const TESTED_ELSEWHERE: [Code; 13] = [
+const TESTED_ELSEWHERE: [Code; 12] = [
     Code::NotUtf8,
     Code::FileTooLarge,
     Code::TooManyFiles,
     Code::UnknownSetting,
     Code::SetAside,
-    // Of scenarios with streams: src/lang/check/metric_tests.rs.
-    Code::NoSingleOrder,
     // Of the command line alone: tests/under_test/instead.rs.
     Code::PartlyTested,
     // By programs that run: tests/under_test.rs.

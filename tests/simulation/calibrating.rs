@@ -257,7 +257,10 @@ fn the_spread_may_have_a_tolerance_of_its_own() {
     let half = "method maximum_entropy within 50 % of error";
     assert_eq!(with(half, " within 50 % of error").weights, with(half, "").weights);
     let missed = |result: &CalibrateResult| {
-        let apart = |one: &results::CalibratedCondition| (one.spread.fitted - one.spread.observed).abs();
+        let apart = |one: &results::CalibratedCondition| {
+            let spread = one.spread.expect("it is known of people");
+            (spread.fitted - spread.observed).abs()
+        };
         result.conditions.iter().map(apart).sum::<f64>()
     };
     let closer = with("", " within 30 % of error");
@@ -373,7 +376,9 @@ fn closer_is_closer_and_what_is_compared_changes_no_weight() {
     assert_eq!((compared.name.as_str(), compared.individuals, compared.shares.len()), ("them.csv", 4, 2));
     // With more time more people go first.
     assert!(compared.shares[0].0 < compared.shares[1].0, "{compared:?}");
-    assert!(compared.shares.iter().all(|(share, spread)| (0.0..=*share).contains(spread)));
+    let both = |(share, spread): &(Option<f64>, Option<f64>)| share.zip(*spread);
+    let known: Vec<(f64, f64)> = compared.shares.iter().filter_map(both).collect();
+    assert!(known.len() == 2 && known.iter().all(|(share, spread)| (0.0..=*share).contains(spread)));
 }
 
 #[test]
@@ -382,6 +387,165 @@ fn a_population_that_ships_changes_no_weight_either() {
     let usual = &*USUAL;
     let same = assert_same_beside("standard", usual);
     assert_eq!(same.compared[0].individuals, 1123);
+}
+
+#[test]
+fn where_all_runs_count_nothing_changes_to_the_last_bit() {
+    let usual = &*USUAL;
+    let with = MATCHED.replace("undefined fails", "where min_distance >= 0 m undefined fails");
+    let same = calibrated(&with, &ROWS.concat(), &Threads::new(2)).unwrap();
+    assert_eq!((&same.weights, &same.resampled), (&usual.weights, &usual.resampled));
+    for (one, other) in same.conditions.iter().zip(&usual.conditions) {
+        let counted = one.counted.expect("it is told which runs count");
+        assert!((counted.share - 1.0).abs() < 1e-6, "{counted:?}");
+        assert_eq!((one.share, one.spread, one.undefined), (other.share, other.spread, other.undefined));
+    }
+    assert_eq!(same.matched, "rate(gap_accepted) where min_distance >= 0 m");
+    assert!(report::render_calibrate(&same).contains("counted (runs)"));
+}
+
+/// Of the version before runs could be left uncounted.
+const DIGEST_BEFORE: &str = "332e24fa65e6dc6e";
+
+#[test]
+fn the_people_that_ship_are_weighed_as_they_were() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios/people");
+    let read = |name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
+    let block = "calibrate humans {
+  candidates 100 of \"candidates.json\"
+  in crossing_plain
+  match rate(gap_accepted) to \"plain.csv\" undefined fails
+  match spread between individuals of rate(gap_accepted)
+  match mean of walker.model.ped_free_speed to 1.34 m/s within 0.05 m/s
+  folds 2
+  repeat 4
+}
+";
+    let rows = read("human_crossing.csv");
+    let rows: Vec<&str> = rows.lines().filter(|line| !line.starts_with("crossing_zebra")).collect();
+    let files = Memory::default()
+        .with("people.scn", format!("{}\n{block}", read("encounter.scn")))
+        .with("candidates.json", read("candidates.json"))
+        .with("plain.csv", rows.join("\n"));
+    let loaded = lang::load(Path::new("people.scn"), &standard(), &files);
+    let suite = loaded.unwrap_or_else(|_| panic!("it is right")).suite;
+    let result = run(&suite, &Threads::new(2), None, &Stop::default(), &Silent).unwrap();
+    assert_eq!(result.digest, DIGEST_BEFORE);
+}
+
+/// Who is nearer than 3 m to the vehicle at some time is asked; the others do not count.
+const NEAR: &str = "candidates 40 by latin_hypercube\n  \
+                    match rate(gap_accepted) to \"people.csv\" where min_distance < 3 m undefined fails";
+const FEW_ROWS: [&str; 2] =
+    ["crossing, 4 s, 0.125, 8, 2, 1, 1, 0, 0, 0\n", "crossing, 6 s, 0.5, 8, 2, 1, 0, 0, 0, 1\n"];
+
+#[test]
+fn only_runs_that_count_are_weighed_in_whatever_order() {
+    let usual = calibrated(NEAR, &FEW_ROWS.concat(), &Threads::new(2)).unwrap();
+    assert!(usual.conditions.iter().any(|one| one.counted.unwrap().share < 0.95), "{:?}", usual.conditions);
+    let shuffled = calibrated(NEAR, &FEW_ROWS.concat(), &Shuffled::seeded(4)).unwrap();
+    assert_eq!(usual, shuffled);
+    let turned = calibrated(NEAR, &[FEW_ROWS[1], FEW_ROWS[0]].concat(), &Threads::new(1)).unwrap();
+    assert_eq!((&usual.weights, &usual.conditions), (&turned.weights, &turned.conditions));
+    // On so few runs nothing should rest, and that is said.
+    assert!(
+        usual.warnings.iter().any(|one| one.contains("of equal weight that count for")),
+        "{:?}",
+        usual.warnings
+    );
+    let text = serde_json::to_string(&usual.population().provenance).unwrap();
+    assert!(text.contains("\"counted\":{"), "{text}");
+}
+
+/// Any weights would match what nobody is left to do: no result, and never a good one.
+#[test]
+fn a_condition_in_which_nobody_is_left_is_an_error() {
+    let said = |block: &str| {
+        let error = calibrated(block, &FEW_ROWS.concat(), &Threads::new(2)).unwrap_err();
+        format!("{error} ({})", error.hint().unwrap_or_default())
+    };
+    let nobody = said(&NEAR.replace("< 3 m", "< 0 m"));
+    assert!(nobody.contains("no run of any candidate of crossing, gap 4 s counts for"), "{nobody}");
+    assert!(nobody.contains("nobody was left to do it"), "{nobody}");
+    // Runs that the horizon cut off may count or not.
+    let cut_off = said(&MATCHED.replace("undefined fails", "undefined not counted"));
+    assert!(cut_off.contains("nobody knows whether they count"), "{cut_off}");
+    assert!(cut_off.contains("a longer `horizon`"), "{cut_off}");
+    // What runs count by is defined in all of them, or it is an error.
+    let unknown = said(&NEAR.replace("min_distance < 3 m", "tta_at_entry >= 0 s"));
+    assert!(unknown.contains("nobody knows whether they count"), "{unknown}");
+}
+
+/// Two cars, one after the other.
+const SECOND_GAP: &str = r#"
+scenario second_gap {
+  road { lane_width 2.25 m; speed_limit 30 km/h; crossing unmarked }
+  vary gap in [4 s, 6 s]
+  vehicle car_1 { controller constant_speed; speed 30 km/h; start 3 s before crossing }
+  vehicle car_2 { controller constant_speed; speed 30 km/h; start 3 s + gap before crossing }
+  pedestrian walker { model commotions; individuals 20 of standard; start 2.5 m from lane centre }
+  horizon 60 s
+  expect { no collision }
+}
+calibrate people {
+  in second_gap
+  candidates 60 of standard
+  repeat 4
+  MATCH
+}
+"#;
+
+#[test]
+fn undefined_runs_that_are_not_counted_are_no_runs_in_which_nothing_held() {
+    let rows = "scenario, gap, share, trials, persons, error\n\
+                second_gap, 4 s, 0.4, 400, 30, 0.1\nsecond_gap, 6 s, 0.4, 400, 30, 0.1\n";
+    let of = |matched: &str| {
+        let text = SECOND_GAP.replace("MATCH", matched);
+        let files = Memory::default().with("people.scn", text).with("people.csv", rows);
+        let loaded = lang::load(Path::new("people.scn"), &standard(), &files);
+        let suite = loaded.unwrap_or_else(|_| panic!("it is right")).suite;
+        run(&suite, &Threads::new(2), None, &Stop::default(), &Silent)
+    };
+    // Only who goes before the first car has a time to its arrival.
+    let before = "match rate(tta_at_entry(car_1, walker) >= 1 s) to \"people.csv\"";
+    let result = of(&format!("{before} undefined not counted")).unwrap();
+    for one in &result.conditions {
+        let counted = one.counted.expect("it is told which runs count");
+        assert!((counted.share + one.undefined - 1.0).abs() < 1e-6 && counted.share < 0.3, "{one:?}");
+        // Of those who go, not of everybody.
+        assert!(one.share.equal > 0.3, "{one:?}");
+    }
+    // What rests on so few runs is luck, and is told.
+    let warned = |what: &str| result.warnings.iter().any(|one| one.contains(what));
+    assert!(warned("of equal weight that count for") && warned("under fresh noise"), "{:?}", result.warnings);
+    // As runs in which nothing held, they would make it seldom.
+    let fails = of(&format!("{before} undefined fails")).unwrap();
+    assert!(fails.conditions.iter().all(|one| one.counted.is_none() && one.share.equal < 0.2));
+    // Who goes before the first car goes before the second, too, unless only those count who are still there.
+    let second = "match rate(gap_accepted(car_2, walker)) to \"people.csv\"";
+    let equal = |where_: &str| {
+        let result = of(&format!("{second}{where_} undefined fails")).unwrap();
+        result.conditions.iter().map(|one| one.share.equal).sum::<f64>()
+    };
+    assert!(equal("") > equal(" where no gap_accepted(car_1, walker)") + 0.02);
+}
+
+#[test]
+fn errors_may_stand_for_counts_and_spreads_of_some_conditions_be_unknown() {
+    let rows = "scenario, gap, share, trials, persons, error, pair_share, pair_error\n\
+                crossing, 4 s, 0.125, 30, 8, 0.1, 0.05, 0.06\ncrossing, 6 s, 0.5, 31, 8, 0.15, , \n";
+    let block = format!("{MATCHED}\n  match spread between individuals of rate(gap_accepted)");
+    let files = Memory::default().with("people.scn", text(&block)).with("people.csv", rows);
+    let loaded = lang::load(Path::new("people.scn"), &standard(), &files);
+    let suite = loaded.unwrap_or_else(|_| panic!("it is right")).suite;
+    let result = run(&suite, &Threads::new(2), None, &Stop::default(), &Silent).unwrap();
+    let [known, unknown] = &result.conditions[..] else { panic!("{:?}", result.conditions) };
+    assert_eq!((known.share.observed, known.share.error), (0.125, 0.1));
+    assert_eq!(known.spread.map(|spread| (spread.observed, spread.error)), Some((0.05, 0.06)));
+    assert_eq!(unknown.spread, None);
+    assert_eq!(result.resampled.len(), 20);
+    let table = report::render_calibrate(&result);
+    assert_eq!(table.matches("crossing gap=6s").count(), 1, "{table}");
 }
 
 /// What is compared besides changes nothing of what comes of people.

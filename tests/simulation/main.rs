@@ -35,6 +35,7 @@ mod several_others;
 mod signals;
 mod steadiness;
 mod steering;
+mod stream_endings;
 mod streams;
 #[path = "../support/mod.rs"]
 mod support;

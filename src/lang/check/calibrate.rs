@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::block::{Layer, missing, reject_repeats};
+use super::comparison;
 use super::criterion;
 use super::literal;
 use super::matched_parameters::matched_parameters;
@@ -17,8 +18,8 @@ use crate::syntax;
 use crate::syntax::ast;
 use crate::value::{self, NameScope};
 use scenario::{
-    Calibrate, CandidateSource, DeclaredPedestrian, Dimension, Individuals, Observations, PopulationShare,
-    Variation,
+    Calibrate, CandidateSource, DeclaredPedestrian, Dimension, Individuals, Observations, ObservedRow,
+    PopulationShare, Variation,
 };
 
 const MOST_CANDIDATES: u32 = 100_000;
@@ -60,6 +61,27 @@ pub fn calibrate(
         scope,
         report,
     );
+    if let (Some(inside), Some(behind)) = (matched.rate().undefined(), matched.not_counted()) {
+        report.push(
+            Diagnostic::new(
+                Code::RepeatedModifier,
+                behind.span(),
+                "it is said twice what an undefined run is",
+            )
+            .label("said here again")
+            .context(inside.span(), "first here")
+            .hint(
+                "say `undefined not counted` alone where shares are of the runs in which the metric exists",
+            ),
+        );
+    }
+    let counted_where = match matched.counted_where() {
+        Some(said) => {
+            let said = (said.condition(), None, "the bound behind `where`");
+            comparison::constant_comparison(said, &scenarios[0].1.cast(), scope, report).map(Some)
+        }
+        None => Some(None),
+    };
     let observations = observations(matched, &scenarios, places, report);
     if let Some(spread) = block.spread()
         && rate_text(spread.rate()) != rate_text(matched.rate())
@@ -121,8 +143,20 @@ pub fn calibrate(
         return None;
     }
     let (condition, observations, candidates) = (condition?, observations?, candidates?);
-    let targets =
-        observations.rows.len() * (1 + usize::from(block.spread().is_some())) + block.parameters().count();
+    if let Some(spread) = block.spread()
+        && !observations.rows.iter().any(ObservedRow::has_pairs)
+    {
+        report.push(
+            Diagnostic::new(
+                Code::BadObservations,
+                spread.span(),
+                format!("{} says no spread between individuals", observations.file),
+            )
+            .label("of which nothing is known")
+            .hint("add the columns `pair_share` and `pair_error`, or leave `match spread` out"),
+        );
+    }
+    let targets = observations.targets(block.spread().is_some()) + block.parameters().count();
     if let CandidateSource::LatinHypercube(count) = candidates
         && (count as usize) < targets
     {
@@ -156,7 +190,15 @@ pub fn calibrate(
         candidates,
         scenarios: scenarios.iter().map(|(_, subject)| subject.scenario.name.clone()).collect(),
         condition,
-        text: rate_text(matched.rate()),
+        only_defined: matched.not_counted().is_some(),
+        counted_where: counted_where?,
+        text: match matched.counted_where() {
+            Some(said) => {
+                let condition = syntax::condition_text(said.condition(), None);
+                format!("{} where {condition}", rate_text(matched.rate()))
+            }
+            None => rate_text(matched.rate()),
+        },
         observations,
         spread: block.spread().is_some(),
         within: within?,

@@ -9,7 +9,7 @@ use crate::diagnostic::Diagnostic;
 use crate::syntax::ast;
 use crate::value::{NameScope, ValueKind};
 use scenario::registry::Table;
-use scenario::{AggregateWord, Metric, MetricKind, MetricReference, Scope as Measured, Stake, Stream};
+use scenario::{AggregateWord, Metric, MetricKind, MetricReference, Scope as Measured, Stake, TrafficStream};
 
 /// Who is in the scenario that a criterion is about.
 pub struct Cast<'a> {
@@ -126,7 +126,7 @@ fn order_in_stream(node: ast::Metric, metric: &Metric, of: &Subjects, cast: &Cas
     let name = &metric.declaration.name;
     let person = of.pair.as_ref().map(|(_, person)| person.as_str());
     let person = person.or(cast.pedestrians.first().copied()).unwrap_or("walker");
-    let one = Stream::member_name(stream, 2);
+    let one = TrafficStream::member_name(stream, 2);
     let message = match of.pair {
         None => {
             format!("`{name}` is of one vehicle and one pedestrian, and `{stream}` is a stream of vehicles")
@@ -280,7 +280,7 @@ fn pair(
 
 /// What two vehicles, or a vehicle and a box, have to do with each other is not followed for every vehicle of a stream.
 fn no_stream_here(name: ast::Name) -> Diagnostic {
-    let one = Stream::member_name(name.text(), 0);
+    let one = TrafficStream::member_name(name.text(), 0);
     let message = format!("`{}` is a stream, and this is of single vehicles", name.text());
     Diagnostic::new(Code::BadPair, name.span(), message)
         .label("of which vehicle?")

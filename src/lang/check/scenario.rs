@@ -90,7 +90,7 @@ pub fn scenario(
     let are_whole = vehicle_groups.iter().filter(|group| !stream::lacks_repeated(group, &repeated));
     for (name, layers) in are_whole {
         let roads = (road.as_ref(), elsewhere.as_slice());
-        let found = vehicle(*name, layers, roads, &repeated, places, &mut written, &mut alike, report);
+        let found = vehicle((*name, layers), roads, &repeated, places, &mut written, &mut alike, report);
         vehicles.extend(found.map(|vehicle| (name.span(), vehicle)));
     }
     let horizon = last(&layers, |block| block.horizon().map(ast::Horizon::value));

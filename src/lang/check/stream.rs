@@ -15,7 +15,7 @@ use crate::value::{self, NameScope, Typed, ValueKind};
 use crate::write::{BlockText, constant};
 use scenario::{
     BinaryOperator, DeclaredDraw, DeclaredStream, DeclaredVehicleStart, Dimension, Distribution, DrawSource,
-    Expression, FurtherGaps, Stream, Value, VariedValue, Vehicle, limits,
+    Expression, FurtherGaps, TrafficStream, Value, VariedValue, Vehicle, limits,
 };
 
 /// The column of a file that has gaps.
@@ -280,8 +280,8 @@ pub fn members(name: &str, declared: Option<&Vehicle>, horizon: Option<f64>) -> 
         _ => None,
     });
     let known = stream.zip(horizon).and_then(|(stream, horizon)| stream.arrivals(&no_values(), horizon).ok());
-    let count = known.map_or(Stream::MOST, |arrivals| arrivals.len());
-    (0..count).map(|index| Stream::member_name(name, index)).collect()
+    let count = known.map_or(TrafficStream::MOST, |arrivals| arrivals.len());
+    (0..count).map(|index| TrafficStream::member_name(name, index)).collect()
 }
 
 /// Refuses a stream that could be in no run, and names that are those of its vehicles.
@@ -292,7 +292,8 @@ pub fn check(
     others: &[(&str, Span)],
     report: &mut Vec<Diagnostic>,
 ) {
-    let is_member = |other: &str| Stream::of_member(other).is_some_and(|(stream, _)| stream == name.text());
+    let is_member =
+        |other: &str| TrafficStream::of_member(other).is_some_and(|(stream, _)| stream == name.text());
     for (other, span) in others.iter().filter(|(other, _)| is_member(other)) {
         report.push(
             Diagnostic::new(

@@ -20,8 +20,7 @@ use scenario::{
 
 /// The vehicle that `layers` describe together, the last having the last word.
 pub fn vehicle(
-    name: ast::Name,
-    layers: &[Layer<ast::VehicleBlock>],
+    (name, layers): (ast::Name, &[Layer<ast::VehicleBlock>]),
     roads: (Option<&Road>, &[DeclaredOtherRoad]),
     repeated: &Repeated,
     places: &TextPlaces,

@@ -11,7 +11,7 @@ use crate::{known, standard};
 use scenario::geometry::{Piece, Pose, ReferenceLine};
 use scenario::{
     Appearance, Bend, ControllerContext, Direction, ModelSetup, PedestrianContext, Position, Settings, Shape,
-    Side, Stream, Value, VehicleStart, World,
+    Side, TrafficStream, Value, VehicleStart, World,
 };
 use sim::measure::Measurement;
 use sim::{Driven, Observer, RoadUsers, Snapshot, Step, fixture, simulate};
@@ -56,7 +56,7 @@ fn world(controller: &str, model: &str, settings: &[(&str, f64)], side: Side, st
     car.dynamics = ModelSetup::resolved(dynamics, &Settings::default()).unwrap();
     car.start = VehicleStart::Distance(start);
     // A stream of one: whoever goes has met its first and last vehicle.
-    world.streams = vec![Stream { name: "cars".into(), vehicles: vec![0], arrivals: vec![1.0] }];
+    world.streams = vec![TrafficStream { name: "cars".into(), vehicles: vec![0], arrivals: vec![1.0] }];
     let person = &mut world.pedestrians[0];
     let given = settings.iter().map(|(name, value)| (name.to_string(), Value::Number(*value)));
     let entry = registry.pedestrians().get(model).unwrap();

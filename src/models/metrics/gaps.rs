@@ -37,7 +37,7 @@ pub fn gap_taken() -> Metric {
 /// A pedestrian and the stream whose lane it may cross.
 struct Crosser {
     way: StreamWay,
-    /// See [`scenario::Stream::arrivals`].
+    /// See [`scenario::TrafficStream::arrivals`].
     arrivals: Vec<f64>,
 }
 

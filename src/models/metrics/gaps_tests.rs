@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 
 use super::fixture::{Profile, Walk, measure_traffic, observe, request, world};
-use scenario::{Appearance, Direction, Lane, MetricReference, Stream, Value, World};
+use scenario::{Appearance, Direction, Lane, MetricReference, TrafficStream, Value, World};
 use sim::measure::{Open, Reading};
 
 const STEPS: [f64; 2] = [0.005, 0.025];
@@ -24,10 +24,11 @@ fn traffic(arrivals: &[f64]) -> Vec<Profile> {
 fn street(step: f64, arrivals: &[f64]) -> World {
     let mut world = world(step, HORIZON);
     let car = world.vehicles[0].clone();
-    let member = |index| scenario::VehicleSetup { name: Stream::member_name("cars", index), ..car.clone() };
+    let member =
+        |index| scenario::VehicleSetup { name: TrafficStream::member_name("cars", index), ..car.clone() };
     world.vehicles = (0..arrivals.len()).map(member).collect();
     let vehicles = (0..arrivals.len()).collect();
-    world.streams = vec![Stream { name: "cars".into(), vehicles, arrivals: arrivals.to_vec() }];
+    world.streams = vec![TrafficStream { name: "cars".into(), vehicles, arrivals: arrivals.to_vec() }];
     world
 }
 
@@ -225,7 +226,7 @@ fn two_lanes(near: &[f64], far: &[f64]) -> (World, Vec<Profile>) {
     world.road.lanes = vec![Lane { direction: Direction::Forward }, Lane { direction: Direction::Backward }];
     let split = near.len();
     world.vehicles[split..].iter_mut().for_each(|car| car.lane = 1);
-    let stream = |name: &str, from: usize, arrivals: &[f64]| Stream {
+    let stream = |name: &str, from: usize, arrivals: &[f64]| TrafficStream {
         name: name.into(),
         vehicles: (from..from + arrivals.len()).collect(),
         arrivals: arrivals.to_vec(),

@@ -81,6 +81,10 @@ impl Controller for ConstantDeceleration {
     fn mode(&self) -> Mode {
         Mode::new(if self.braking { "braking" } else { "cruise" })
     }
+
+    fn looks_at_others(&self) -> bool {
+        false
+    }
 }
 
 #[cfg(test)]

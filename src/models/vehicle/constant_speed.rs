@@ -53,6 +53,10 @@ impl Controller for ConstantSpeed {
     fn mode(&self) -> Mode {
         Mode::new("cruise")
     }
+
+    fn looks_at_others(&self) -> bool {
+        false
+    }
 }
 
 #[cfg(test)]

@@ -56,9 +56,9 @@ pub fn effective_size(weights: &[f64]) -> f64 {
 }
 
 /// Of the published form: the errors of the targets are the tolerance.
-const STRENGTH: f64 = 1.0;
+pub(super) const STRENGTH: f64 = 1.0;
 /// At which weights are held to equal ones by next to nothing.
-const FREE: f64 = 1e-4;
+pub(super) const FREE: f64 = 1e-4;
 
 /// The smallest change from equal weights that matches within the errors of the targets. A row of `features` is a candidate's, one
 /// number for each target.
@@ -102,7 +102,7 @@ const BEYOND: f64 = 1e-4;
 /// Of bounds that are held or let go; there are few, and each usually changes once.
 const MOST_CHANGES: usize = 200;
 
-fn entropy_weights(
+pub(super) fn entropy_weights(
     features: &[Vec<f64>],
     targets: &[WeightTarget],
     bounds: &[WeightBound],
@@ -289,6 +289,11 @@ impl Standardised {
         let mismatches = self.means(&point.weights);
         (EntropyWeights { weights: point.weights, mismatches }, dual)
     }
+}
+
+/// The weighted mean of a column.
+pub(super) fn mean(rows: &[Vec<f64>], weights: &[f64], column: usize) -> f64 {
+    rows.iter().zip(weights).map(|(row, weight)| weight * row[column]).sum()
 }
 
 fn dot(one: &[f64], other: &[f64]) -> f64 {

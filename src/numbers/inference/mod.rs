@@ -14,6 +14,7 @@ mod share;
 mod smoothed_shares;
 mod strata;
 mod trinomial;
+mod weighed_ratios;
 
 pub use bounded_mean::{IndependentUnit, MeanWatch, mean_of_bounded, runs_for_mean};
 pub use comparison::{McNemar, holm, mcnemar};
@@ -33,6 +34,7 @@ pub use share::{
 };
 
 pub use smoothed_shares::{CandidateShares, HeldCounts};
+pub use weighed_ratios::{RatioFeatures, nearest_ratios, ratio_weights, weighed_ratio};
 
 use serde::{Deserialize, Serialize};
 

@@ -2,7 +2,8 @@
 
 use super::sides::RunDiff;
 use crate::format::with_unit;
-use crate::why::{cut_off, ending_words};
+use crate::why::cut_off;
+use crate::wording::ending_words;
 use results::{ContactMoment, Doing, OneOfTwo, Outcome, SharedMoment, TwoRuns};
 use scenario::Dimension;
 

@@ -3,7 +3,7 @@
 use super::sides::RunDiff;
 use crate::format::with_unit;
 use crate::replay::describe;
-use crate::why::ending_words;
+use crate::wording::ending_words;
 use results::{PartedIn, Parting, PartsBy};
 use scenario::{Dimension, significant};
 use sim::Command;

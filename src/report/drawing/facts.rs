@@ -1,8 +1,9 @@
 //! A sketch in words: what stands beside the picture, and what of it lies outside.
 
-use super::outlook::{Outlook, Sight, SightKind};
+use super::outlook::{Meeting, Outlook, Sight, SightKind};
 use scenario::{
-    CrossingKind, Dimension, Direction, Ground, MayGo, Road, TrafficSignal, VehicleSetup, World, show,
+    CrossingKind, Dimension, Direction, Ground, MayGo, Road, TrafficSignal, TrafficStream, VehicleSetup,
+    World, show,
 };
 use sim::Solid;
 
@@ -10,7 +11,12 @@ use sim::Solid;
 pub(crate) fn facts(world: &World, outlook: &Outlook) -> Vec<String> {
     let mut lines = vec![road(world)];
     lines.extend(world.other_roads.iter().map(other_road));
-    for (setup, car) in world.vehicles.iter().zip(&outlook.cars) {
+    for (index, (setup, car)) in world.vehicles.iter().zip(&outlook.cars).enumerate() {
+        match world.streams.iter().find(|stream| stream.vehicles.contains(&index)) {
+            Some(one) if one.vehicles[0] == index => lines.push(stream(one, setup)),
+            Some(_) => continue,
+            None => {}
+        }
         let place = -car.motion.travelled;
         let (far, side) = if place >= 0.0 { (place, "before") } else { (-place, "behind") };
         lines.push(format!(
@@ -54,7 +60,13 @@ pub(crate) fn facts(world: &World, outlook: &Outlook) -> Vec<String> {
     if outlook.meetings.is_empty() {
         lines.push("  no two courses meet".to_string());
     }
-    for met in &outlook.meetings {
+    let nearest = |met: &&Meeting| {
+        met.touches() || !is_of_stream(world, met.vehicle) || {
+            let alike = outlook.meetings.iter().filter(|other| other.is_alike(met, world));
+            alike.into_iter().all(|other| met.apart() <= other.apart())
+        }
+    };
+    for met in outlook.meetings.iter().filter(nearest) {
         let (one, other) = (&world.vehicles[met.vehicle].name, met.with.name(world));
         let (first, second) = met.times;
         let place = format!("({:.1}, {:.1}) m", met.point.x, met.point.y);
@@ -66,8 +78,7 @@ pub(crate) fn facts(world: &World, outlook: &Outlook) -> Vec<String> {
                 "  {one} and {other} meet at {place}: {one} is there after {first:.2} s, {other} after {second:.2} s; their bodies touch"
             ),
             _ => {
-                let (car, person) = met.between;
-                let gap = (person.0 - car.1).max(car.0 - person.1);
+                let gap = met.apart();
                 let who = if first < second { one.as_str() } else { other };
                 format!(
                     "  {one} and {other} pass at {place}: {one} is there after {first:.2} s, {other} after {second:.2} s; {who} is {gap:.2} s earlier"
@@ -75,10 +86,51 @@ pub(crate) fn facts(world: &World, outlook: &Outlook) -> Vec<String> {
             }
         });
     }
-    lines.extend(
-        outlook.sights.iter().filter(|sight| !sight.hidden_by.is_empty()).map(|one| sight(world, one)),
-    );
+    // Who drives behind others of a stream sees little beside them.
+    let is_told = |sight: &&Sight| {
+        !sight.hidden_by.is_empty()
+            && !sight.hidden_by.iter().all(|by| are_one_stream(world, sight.vehicle, *by))
+    };
+    lines.extend(outlook.sights.iter().filter(is_told).map(|one| sight(world, one)));
     lines
+}
+
+/// Whether a vehicle is one of a stream.
+fn is_of_stream(world: &World, vehicle: usize) -> bool {
+    world.streams.iter().any(|stream| stream.vehicles.contains(&vehicle))
+}
+
+/// Whether a vehicle and something else are vehicles of one stream.
+fn are_one_stream(world: &World, vehicle: usize, other: Solid) -> bool {
+    let Solid::Vehicle(other) = other else { return false };
+    world.streams.iter().any(|stream| stream.vehicles.contains(&vehicle) && stream.vehicles.contains(&other))
+}
+
+/// So many gaps of a stream are told.
+const TOLD_GAPS: usize = 8;
+
+/// A stream, of which the first vehicle is told by itself.
+fn stream(stream: &TrafficStream, first: &VehicleSetup) -> String {
+    let gaps = stream.arrivals.windows(2).map(|pair| show(tidy(pair[1] - pair[0]), None, Dimension::TIME));
+    let mut gaps: Vec<String> = gaps.collect();
+    if gaps.len() > TOLD_GAPS {
+        gaps.truncate(TOLD_GAPS);
+        gaps.push("…".to_string());
+    }
+    let (name, lane) = (&stream.name, first.lane);
+    match gaps.is_empty() {
+        true => format!("{name}: a stream of one vehicle in lane {lane}"),
+        false => format!(
+            "{name}: a stream of {} vehicles in lane {lane}, {} apart",
+            stream.vehicles.len(),
+            gaps.join(", ")
+        ),
+    }
+}
+
+/// A difference of two times (s) without what rounding did to it.
+fn tidy(time: f64) -> f64 {
+    (time * 1e9).round() / 1e9
 }
 
 fn road(world: &World) -> String {

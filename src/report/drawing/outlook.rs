@@ -79,6 +79,22 @@ impl Meeting {
     }
 }
 
+impl Meeting {
+    /// From when the one has left where both could be to when the other gets there, s.
+    pub(crate) fn apart(&self) -> f64 {
+        let (car, person) = self.between;
+        (person.0 - car.1).max(car.0 - person.1)
+    }
+
+    /// Whether another is of a vehicle of the same stream with the same pedestrian.
+    pub(crate) fn is_alike(&self, other: &Self, world: &World) -> bool {
+        let stream = |vehicle| world.streams.iter().position(|stream| stream.vehicles.contains(&vehicle));
+        self.with == other.with
+            && stream(self.vehicle).is_some()
+            && stream(self.vehicle) == stream(other.vehicle)
+    }
+}
+
 /// A walk is looked at every so many metres.
 const LOOKS: f64 = 0.25;
 

@@ -3,7 +3,9 @@
 use serde::Serialize;
 
 use super::figure::HtmlFigure;
-use crate::calibration::{draw_calibration, headings, parameter_headings, parameter_rows, rows};
+use crate::calibration::{
+    counted_sentence, draw_calibration, headings, parameter_headings, parameter_rows, rows,
+};
 use results::CalibrateResult;
 
 #[derive(Debug, Serialize)]
@@ -26,6 +28,7 @@ impl CalibrateSection {
             |what: &str, shares: bool| Table { headings: headings(result, what), rows: rows(result, shares) };
         let note = "Each point is a condition: the share of trials of people, and of runs of populations.";
         let mut tables = vec![table("share", true), table("spread between individuals", false)];
+        tables.retain(|table| !table.rows.is_empty());
         if !result.matched_parameters.is_empty() {
             tables.push(Table { headings: parameter_headings(result), rows: parameter_rows(result) });
         }
@@ -60,6 +63,7 @@ fn sentences(result: &CalibrateResult) -> Vec<String> {
     errors.extend(result.left_out_rms.map(|rms| format!("{:.1} of conditions left out", 100.0 * rms)));
     errors.extend(result.folds_rms.map(|rms| format!("{:.1} in {} folds", 100.0 * rms, result.folds)));
     sentences.push(format!("Root mean square error: {}.", errors.join(", ")));
+    sentences.extend(counted_sentence(result));
     for one in &result.compared {
         sentences.push(format!(
             "{}: {} individuals, {} runs of each, digest {}.",

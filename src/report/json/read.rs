@@ -358,7 +358,7 @@ mod tests {
     use crate::write_json;
     use models::standard;
     use results::judge::judge;
-    use results::{Conclusion, CutOff};
+    use results::{Conclusion, CutOff, Outlasted};
     use scenario::DeclaredStanding;
     use sim::measure::Open;
 
@@ -383,6 +383,18 @@ mod tests {
             ..CutOff::default()
         };
         report.trials[0].outcomes[0].cut_off = Some(Box::new(cut_off));
+        report.trials[0].outcomes[0].outlasted =
+            vec![Outlasted { stream: "cars".into(), pedestrian: "walker".into() }];
+        let trial = &mut report.trials[0];
+        let TrialState::Judged(judged) = &mut trial.state else { panic!("it was judged") };
+        judged.outlasted = vec![OutlastedRuns {
+            outlasted: trial.outcomes[0].outlasted[0].clone(),
+            runs: 1,
+            of: trial.outcomes.len(),
+        }];
+        assert!(crate::wording::not_as_declared(judged).iter().any(|said| {
+            said.starts_with("the last vehicle of `cars` had passed before `walker` went across in 1 of ")
+        }));
         report.trials[0].outcomes[1].seed = u64::MAX;
         let results = [
             BlockResult::Evaluate(evaluation()),

@@ -8,7 +8,8 @@ use crate::{
     Verdict,
 };
 use scenario::{
-    Aggregate, Claim, Comparison, Criterion, Expression, MetricReference, Scope, Stake, Stream, constant,
+    Aggregate, Claim, Comparison, Criterion, Expression, MetricReference, Scope, Stake, TrafficStream,
+    constant,
 };
 use sim::measure::{Closeness, MEETING_TIME, Presence};
 
@@ -247,7 +248,7 @@ fn needs(reference: &MetricReference, outcomes: &[&Outcome]) -> Needs {
         Scope::Pedestrian => Needs::Pairs(of_each(vehicles)),
         // Of streams that it does not name, those of which vehicles have a number.
         Scope::Stream => {
-            Needs::Pairs(of_each(covered().filter(|name| Stream::of_member(name).is_some()).collect()))
+            Needs::Pairs(of_each(covered().filter(|name| TrafficStream::of_member(name).is_some()).collect()))
         }
         Scope::Pair | Scope::Contact | Scope::Vehicles => match pairs().find(of_vehicles) {
             Some(pair) => {
@@ -304,7 +305,7 @@ fn named_instead(why: Untested, stake: &AtStake, criterion: &Criterion) -> Untes
         })?;
         // What is said of a stream stays said of it.
         let stream = match stake.reference.known().map(|metric| metric.scope) {
-            Some(Scope::Stream) => Stream::of_member(vehicle).map(|(stream, _)| stream),
+            Some(Scope::Stream) => TrafficStream::of_member(vehicle).map(|(stream, _)| stream),
             _ => stake.reference.stream(),
         };
         Some((stream.unwrap_or(vehicle).to_string(), pair.other.to_string()))
@@ -319,6 +320,7 @@ fn named_instead(why: Untested, stake: &AtStake, criterion: &Criterion) -> Untes
 
 #[cfg(test)]
 mod tests {
+    use std::slice;
     use std::time::Duration;
 
     use super::*;
@@ -516,16 +518,16 @@ mod tests {
         let met = ("cars_3", "walker", Closeness::Met, true, false);
         let other = ("vans_1", "walker", Closeness::Met, true, false);
         let gap = of_stream("gap_taken", "cars");
-        assert_eq!(tested(&[gap.clone()], Some(3.0), &[&[apart, other]]), [false]);
-        assert_eq!(tested(&[gap.clone()], Some(3.0), &[&[apart, together, other]]), [true]);
+        assert_eq!(tested(slice::from_ref(&gap), Some(3.0), &[&[apart, other]]), [false]);
+        assert_eq!(tested(slice::from_ref(&gap), Some(3.0), &[&[apart, together, other]]), [true]);
         // In one run there are more vehicles than in another.
-        assert_eq!(tested(&[gap.clone()], Some(3.0), &[&[apart], &[apart, together]]), [true]);
+        assert_eq!(tested(slice::from_ref(&gap), Some(3.0), &[&[apart], &[apart, together]]), [true]);
         let finding = &judged(&[gap], Some(3.0), &[&[apart, other]])[0];
         let Some(Untested::Pairs { pairs, .. }) = &finding.untested else { panic!("{finding:?}") };
         assert_eq!(pairs[0].vehicle.as_deref(), Some("cars"));
         // A contact with any of its vehicles.
         let contact = of_stream("collision", "cars");
-        assert_eq!(tested(&[contact.clone()], Some(1.0), &[&[apart, together, other]]), [false]);
+        assert_eq!(tested(slice::from_ref(&contact), Some(1.0), &[&[apart, together, other]]), [false]);
         assert_eq!(tested(&[contact], Some(1.0), &[&[apart, met]]), [true]);
         // A vehicle of this name has nothing to do with those that are numbered.
         let car = criterion("collision", Some(("cars", "walker")));
@@ -536,8 +538,8 @@ mod tests {
         // Where no stream is named, only vehicles with a number count.
         let any = criterion("gap_taken", None);
         let single = ("av", "walker", Closeness::Met, true, false);
-        assert_eq!(tested(&[any.clone()], Some(3.0), &[&[single, apart]]), [false]);
-        assert_eq!(tested(&[any.clone()], Some(3.0), &[&[single, other]]), [true]);
+        assert_eq!(tested(slice::from_ref(&any), Some(3.0), &[&[single, apart]]), [false]);
+        assert_eq!(tested(slice::from_ref(&any), Some(3.0), &[&[single, other]]), [true]);
         // What to write instead is about the stream.
         let both = [together, ("cars_12", "child", Closeness::Apart, true, false)];
         let finding = &judged(&[any], Some(3.0), &[&both])[0];

@@ -3,14 +3,14 @@
 use super::error::PlanError;
 use super::variables::Variables;
 use scenario::{
-    DeclaredVehicleStart, Dimension, Origin, Scenario, Stream, Vehicle, VehicleReference, VehicleSetup,
-    VehicleStart, show,
+    DeclaredVehicleStart, Dimension, Origin, Scenario, TrafficStream, Vehicle, VehicleReference,
+    VehicleSetup, VehicleStart, show,
 };
 
 /// Who drives in a world, in the order of its vehicles.
 pub(super) struct Streams {
     pub driven: Vec<Driven>,
-    pub streams: Vec<Stream>,
+    pub streams: Vec<TrafficStream>,
 }
 
 /// A vehicle of a world.
@@ -39,12 +39,12 @@ pub(super) fn streams(scenario: &Scenario, variables: &Variables) -> Result<Stre
         })?;
         let first = found.driven.len();
         found.driven.extend(arrivals.iter().enumerate().map(|(index, arrival)| Driven {
-            name: Stream::member_name(&car.name, index),
+            name: TrafficStream::member_name(&car.name, index),
             declared,
             arrival: Some(*arrival),
         }));
         let vehicles = (first..found.driven.len()).collect();
-        found.streams.push(Stream { name: car.name.clone(), vehicles, arrivals });
+        found.streams.push(TrafficStream { name: car.name.clone(), vehicles, arrivals });
     }
     Ok(found)
 }
@@ -107,7 +107,7 @@ fn refuse_inside(ahead: &VehicleSetup, gap: f64, declared: &Vehicle) -> Result<(
 /// That a world has no vehicle of that name.
 pub(super) fn no_vehicle(name: &str, origin: &Origin) -> PlanError {
     let error = PlanError::new(origin, format!("there is no vehicle called `{name}`"));
-    match Stream::of_member(name) {
+    match TrafficStream::of_member(name) {
         Some((stream, _)) => {
             error.with_hint(format!("the stream `{stream}` has fewer vehicles until the horizon"))
         }

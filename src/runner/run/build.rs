@@ -10,6 +10,7 @@ use scenario::registry::EntryKind;
 use scenario::{
     ControllerContext, DeclaredProgram, Dimension, PedestrianContext, Reference, Scenario, World, show,
 };
+use sim::random::vehicle_ranks;
 use sim::{ControllerError, Driven, Driver, Fault, ModelError, RoadUsers, Schedule, Solid, StatedBy};
 
 /// Why a case cannot be run, or not to its end.
@@ -187,11 +188,10 @@ pub fn road_users(world: &World, seed: u64) -> Result<RoadUsers, RunError> {
         let who = who.to_string();
         move |error| RunError::Model { who, error }
     };
-    let names: Vec<&str> = world.vehicles.iter().map(|setup| setup.name.as_str()).collect();
     let vehicles = world
         .vehicles
         .iter()
-        .zip(ranks(&names))
+        .zip(vehicle_ranks(world))
         .map(|(setup, rank)| {
             let model = resolved(&setup.controller.model, EntryKind::Controller)?;
             let dynamics = resolved(&setup.dynamics.model, EntryKind::VehicleDynamics)?;

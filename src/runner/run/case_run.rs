@@ -10,8 +10,8 @@ use results::{ByMetric, Critical, CutOff, Outcome, Outlasted, PairPresence, Requ
 use scenario::{Case, World};
 use sim::measure::{FreeFlow, Measurement, Presence, Reading};
 use sim::{
-    Course, Ending, Fault, Fingerprint, GivenCommand, Observer, Progress, RunChange, Snapshot, Solid, Step,
-    StopReason,
+    Course, Ending, Fault, GivenCommand, Observer, Progress, RunChange, RunFingerprint, Snapshot, Solid,
+    Step, StopReason,
 };
 
 /// A case under way, which waits wherever somebody outside decides.
@@ -25,7 +25,7 @@ pub struct RunningCase {
 /// What is read off a run.
 struct Seen {
     measurement: Measurement,
-    fingerprint: Fingerprint,
+    fingerprint: RunFingerprint,
     last: Option<Snapshot>,
 }
 
@@ -41,7 +41,7 @@ impl RunningCase {
             users.pedestrians.iter().map(|pedestrian| pedestrian.free_speed()).collect();
         let seen = Seen {
             measurement: Measurement::new(&case.world, requests.as_slice(), flows, &free_speeds),
-            fingerprint: Fingerprint::default(),
+            fingerprint: RunFingerprint::new(&case.world),
             last: None,
         };
         Ok(Self { course: Course::start(case.world.clone(), users), seen, begun, ended: None })

@@ -8,9 +8,8 @@ use super::case_run::RunningCase;
 use super::free_flow::{Begun as BegunFlow, FreeFlowRun, SEED};
 use super::job::{Done, Job, JobFailure, JobPlace, LoggedDecision, Ran, Wanted, Watcher};
 use super::panic::{Panicked, in_case};
-use numbers::random::ranks;
 use scenario::{DeclaredProgram, Delay, SignalState, VehicleSetup, World};
-use sim::random::{Agent, Purpose, stream};
+use sim::random::{Agent, Purpose, stream, vehicle_ranks};
 use sim::{Course, Fault, Progress, SteeredOrder, StopReason};
 use under_test::{AcquiredProcesses, Answered, Decision, DueDecision, FaultKind, Opened, ProgramFault};
 
@@ -146,9 +145,8 @@ impl ProgramRun {
 
     fn drivers_of(&self, processes: &AcquiredProcesses) -> Vec<Driver> {
         let world = &self.job.case.world;
-        let names: Vec<&str> = world.vehicles.iter().map(|car| car.name.as_str()).collect();
         let seed = self.seed();
-        let ranks = ranks(&names);
+        let ranks = vehicle_ranks(world);
         let driver = |(vehicle, rank): (usize, usize)| {
             let program = world.vehicles[vehicle].controller.model.known()?.program.as_ref()?;
             Some(Driver {
@@ -373,9 +371,7 @@ impl ProgramRun {
                 self.stage = Stage::Run(Box::new(otherwise(run, &self.job)));
                 self.is_new = true;
                 let seed = self.job.case.seed;
-                let names: Vec<&str> =
-                    self.job.case.world.vehicles.iter().map(|car| car.name.as_str()).collect();
-                let ranks = ranks(&names);
+                let ranks = vehicle_ranks(&self.job.case.world);
                 for driver in &mut self.drivers {
                     driver.is_first = true;
                     driver.seed =

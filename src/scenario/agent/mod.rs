@@ -160,6 +160,12 @@ pub trait Controller: Send {
         Mode::NONE
     }
 
+    /// Whether it may look at pedestrians or other vehicles. One that never does, and has no perception, is told of none: to tell each of
+    /// many vehicles of all others takes most of the time of a run.
+    fn looks_at_others(&self) -> bool {
+        true
+    }
+
     /// The steps of its script that have not begun, in order and as they are written. None, unless it follows a script.
     fn waiting_steps(&self) -> Vec<ScriptStep> {
         Vec::new()

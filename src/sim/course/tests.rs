@@ -6,7 +6,8 @@ use crate::road_users::{Driven, Driver};
 use crate::{SpeedPlan, fixture};
 use scenario::agent::{Controller, Dynamics, Longitudinal, ModelError, Pedestrian, Schedule};
 use scenario::{
-    CommandKind, ControllerContext, ControllerModel, Declaration, Direction, VehicleReference, VehicleStart,
+    CommandKind, ControllerContext, ControllerModel, Declaration, Direction, TrafficStream, VehicleReference,
+    VehicleSetup, VehicleStart,
 };
 
 struct Stroller(f64);
@@ -458,4 +459,81 @@ fn a_plan_is_followed_from_when_it_takes_effect() {
     let seen = delayed(0.0, |_| 0.05, plan, 1);
     assert_eq!((seen[0], seen[1].0), ((0.0, 0.0), 0.05));
     assert!((seen[1].1 + 1.0).abs() < 1e-9, "{seen:?}");
+}
+
+/// Cars at 10 m/s that are due at these moments (s), as one stream, and a stroller who is in their lane from 2 s to 6 s.
+fn streamed(due: &[f64]) -> World {
+    let start = |time: f64| VehicleStart::TimeToArrival { time, reference: VehicleReference::Centre, x: 0.0 };
+    let mut world = world(10.0, start(0.0), Appearance::At(0.0));
+    let cars = due.iter().map(|time| VehicleSetup { start: start(*time), ..world.vehicles[0].clone() });
+    world.vehicles = cars.collect();
+    let vehicles = (0..due.len()).collect();
+    world.streams = vec![TrafficStream { name: "cars".into(), vehicles, arrivals: due.to_vec() }];
+    world.end_on_collision = false;
+    world
+}
+
+fn streamed_end(world: &World, walking: f64) -> (StopReason, f64) {
+    let strollers = world.pedestrians.iter().map(|_| Box::new(Stroller(walking)) as Box<dyn Pedestrian>);
+    let driven = world.vehicles.iter().map(|_| Driven::new(Box::new(Coasting), Box::new(Exact)));
+    let users = RoadUsers { vehicles: driven.collect(), pedestrians: strollers.collect() };
+    let ending = simulate(&Arc::new(world.clone()), users, &mut Last::default()).unwrap();
+    (ending.reason, ending.time)
+}
+
+#[test]
+fn of_a_stream_a_run_waits_for_who_closes_the_gap_that_was_taken() {
+    let ends = |world: &World, walking: f64, expected: f64| {
+        let (reason, time) = streamed_end(world, walking);
+        assert_eq!(reason, StopReason::Completed);
+        assert!((time - expected).abs() < 0.03, "{time} s and not {expected} s");
+    };
+    // It takes 2 s to the finish line.
+    let due = [1.0, 9.0, 12.0, 15.0];
+    ends(&streamed(&due), 1.0, 11.0);
+    ends(&streamed(&[1.0, 5.9, 12.0, 15.0]), 1.0, 14.0);
+    // Nobody comes after the gap, or it closes before the pedestrian is across.
+    ends(&streamed(&[1.0, 2.0]), 1.0, 6.0);
+    ends(&streamed(&[-9.0, 3.0, 4.0, 30.0, 31.0]), 0.5, 32.0);
+    // Vehicles outside of streams are waited for, and a second stream by its own gap.
+    let mut mixed = streamed(&due);
+    mixed.streams[0].vehicles.pop();
+    mixed.streams[0].arrivals.pop();
+    ends(&mixed, 1.0, 17.0);
+    mixed.streams.push(TrafficStream { name: "far".into(), vehicles: vec![3], arrivals: vec![15.0] });
+    ends(&mixed, 1.0, 17.0);
+    // Without pedestrians, and where nothing is said of streams, every vehicle is.
+    let mut empty = streamed(&due);
+    empty.pedestrians.clear();
+    ends(&empty, 1.0, 17.0);
+    let mut unsaid = streamed(&due);
+    unsaid.streams.clear();
+    ends(&unsaid, 1.0, 17.0);
+    // Somebody never arrives.
+    assert_eq!(streamed_end(&streamed(&due), 0.0), (StopReason::Horizon, 60.0));
+}
+
+#[test]
+fn whoever_comes_back_into_the_lane_of_a_stream_takes_another_gap() {
+    /// Out of the lane at 6 s, in it again from 8 s to 12 s.
+    struct Returns;
+    impl Pedestrian for Returns {
+        fn act(&mut self, scene: &Scene) -> Motion {
+            let back = (7.0..9.0).contains(&scene.time);
+            Motion::Walk(Vector2::new(0.0, if back { -1.0 } else { 1.0 }))
+        }
+
+        fn free_speed(&self) -> f64 {
+            1.0
+        }
+    }
+    let world = streamed(&[1.0, 20.0, 30.0]);
+    let mut early = streamed(&[1.0, 8.5, 20.0, 30.0]);
+    early.finish = 5.0;
+    for (world, expected) in [(world, 22.0), (early, 20.5)] {
+        let driven = world.vehicles.iter().map(|_| Driven::new(Box::new(Coasting), Box::new(Exact)));
+        let users = RoadUsers { vehicles: driven.collect(), pedestrians: vec![Box::new(Returns)] };
+        let ending = simulate(&Arc::new(world.clone()), users, &mut Last::default()).unwrap();
+        assert!((ending.time - expected).abs() < 0.03, "{ending:?} and not {expected} s");
+    }
 }

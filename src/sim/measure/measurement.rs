@@ -4,9 +4,10 @@ use std::cell::RefCell;
 
 use super::encounter::Encounters;
 use super::followed::Followed;
-use super::presence::Presence;
+use super::presence::{Closeness, Presence};
 use super::stream_way::StreamWay;
 use super::{Absence, BuildMeter, End, FreeFlow, InStep, Meter, MetricContext, Open, Scope, Worst};
+use crate::arrival::StreamVehicles;
 use crate::{Ending, Observer, Snapshot, Solid, Step, StopReason};
 use scenario::{MetricReference, World};
 
@@ -18,6 +19,9 @@ pub struct Measurement {
     requests: Vec<Request>,
     /// Of each stream and each pedestrian, by their indices.
     stream_ways: Vec<((usize, usize), StreamWay)>,
+    streams: StreamVehicles,
+    /// The vehicles of streams that a completed run did not wait for and that touched nothing: no metric of theirs is defined.
+    not_awaited: Vec<usize>,
     /// When and in which state the run ended before everybody had arrived.
     cut_off: Option<(f64, Snapshot)>,
     /// Whether that was because somebody touched: for them everything is decided.
@@ -110,7 +114,16 @@ impl Measurement {
         let people = world.pedestrians.len();
         let pairs = (0..world.streams.len()).flat_map(|stream| (0..people).map(move |one| (stream, one)));
         let stream_ways = pairs.map(|pair| (pair, StreamWay::new(world, pair.0, pair.1))).collect();
-        Self { encounters, meters, requests, stream_ways, cut_off: None, contact: false }
+        Self {
+            encounters,
+            meters,
+            requests,
+            stream_ways,
+            streams: StreamVehicles::new(world),
+            not_awaited: Vec::new(),
+            cut_off: None,
+            contact: false,
+        }
     }
 
     /// The worst value of every request, in order.
@@ -123,7 +136,10 @@ impl Measurement {
         let end = self.cut_off.as_ref().map(|(time, state)| End { time: *time, state });
         let is_open = |subject: Subject| !self.contact || !self.has_touched(subject);
         self.with_meters()
-            .map(|(request, meters)| request.reading(meters, &self.encounters, end.as_ref(), is_open))
+            .map(|(request, meters)| {
+                let is_seen = |subject: Subject| self.is_seen(subject);
+                request.reading(meters, &self.encounters, end.as_ref(), (&is_open, &is_seen))
+            })
             .collect()
     }
 
@@ -152,6 +168,13 @@ impl Measurement {
         }
     }
 
+    /// Whether a metric of somebody is defined, as far as it does not say so itself: not where a vehicle is concerned that was not waited for.
+    fn is_seen(&self, Subject { vehicle, with, .. }: Subject) -> bool {
+        let awaited = |vehicle: usize| !self.not_awaited.contains(&vehicle);
+        let with = with.is_none_or(|with| !matches!(with, Solid::Vehicle(other) if !awaited(other)));
+        with && vehicle.is_none_or(awaited)
+    }
+
     /// Whether a vehicle and something else have touched.
     pub fn touched(&self, vehicle: usize, with: Solid) -> bool {
         self.encounters.contact(vehicle, with).is_some()
@@ -176,18 +199,31 @@ impl Measurement {
             (vehicle, Solid::Pedestrian(person), self.encounters.presence(vehicle, person))
         });
         let named = self.encounters.vehicle_presences();
-        people.chain(named.map(|((one, other), presence)| (one, Solid::Vehicle(other), presence))).collect()
+        let named = named.map(|((one, other), presence)| (one, Solid::Vehicle(other), presence));
+        // What was not waited for puts nothing to the test.
+        let seen = |(vehicle, with, presence): (usize, Solid, Presence)| match self.is_seen(Subject {
+            vehicle: Some(vehicle),
+            stream: None,
+            with: Some(with),
+        }) {
+            true => (vehicle, with, presence),
+            false => {
+                let closest = presence.closest.min(Closeness::Apart);
+                (vehicle, with, Presence { closest, moved: false, passed: false })
+            }
+        };
+        people.chain(named).map(seen).collect()
     }
 }
 
 impl Request {
-    /// `is_open` says of whom something may be left to come at the `end`.
+    /// `is_open` says of whom something may be left to come at the `end`, `is_seen` for whom the metric may be defined.
     fn reading(
         &self,
         meters: &[Box<dyn Meter>],
         encounters: &Encounters,
         end: Option<&End>,
-        is_open: impl Fn(Subject) -> bool,
+        (is_open, is_seen): (impl Fn(Subject) -> bool, impl Fn(Subject) -> bool),
     ) -> Reading {
         let subjects: Vec<_> = self
             .subjects
@@ -198,8 +234,8 @@ impl Request {
                 stream: subject.stream,
                 pedestrian: pedestrian(subject.with),
                 other: subject.with.filter(|with| !matches!(with, Solid::Pedestrian(_))),
-                value: meter.value(encounters),
-                instant: meter.instant(encounters),
+                value: meter.value(encounters).filter(|_| is_seen(*subject)),
+                instant: meter.instant(encounters).filter(|_| is_seen(*subject)),
                 open: end.filter(|_| is_open(*subject)).and_then(|end| meter.open(encounters, end)),
             })
             .collect();
@@ -215,8 +251,11 @@ impl Request {
         }
         let worst = worst.map(|(_, subject)| subject);
         // Where somebody never got to the end, those who did are not the worst of all.
-        let missing = |subject: &&SubjectValue| subject.value.is_none() && subject.open.is_none();
-        let lost = subjects.iter().find(missing).filter(|_| self.absence == Absence::Bad).copied();
+        let missing = |subject: &SubjectValue| subject.value.is_none() && subject.open.is_none();
+        let both = subjects.iter().zip(&self.subjects);
+        let mut lost =
+            both.filter(|(subject, of)| missing(subject) && is_seen(**of)).map(|(subject, _)| *subject);
+        let lost = lost.next().filter(|_| self.absence == Absence::Bad);
         let open = if lost.is_some() { None } else { self.open(&subjects) };
         let late = || subjects.iter().find(|subject| subject.open.is_some()).copied();
         let worst = lost.or(worst).or_else(|| late().filter(|_| open.is_some()));
@@ -268,6 +307,8 @@ impl Observer for Measurement {
     fn end(&mut self, ending: &Ending, last: &Snapshot) {
         self.encounters.end();
         self.contact = ending.reason == StopReason::Collision;
+        let unseen = self.streams.not_awaited(ending, last);
+        self.not_awaited = unseen.filter(|vehicle| !self.encounters.has_touched(*vehicle)).collect();
         self.cut_off = (ending.reason != StopReason::Completed).then(|| (ending.time, last.clone()));
     }
 }

@@ -146,7 +146,17 @@ views! {
     /// `in SCENARIO, SCENARIO`
     CalibrateIn = calibrate_in { names: [Name] }
     /// `match rate(gap_accepted) to "people.csv"`
-    Matched = matched { rate: Rate, path: Text, undefined: (Undefined) }
+    Matched = matched {
+        rate: Rate,
+        path: Text,
+        counted_where: (CountedWhere),
+        undefined: (Undefined),
+        not_counted: (NotCounted),
+    }
+    /// `where no gap_accepted(cars_4, walker)`
+    CountedWhere = counted_where { condition: Condition }
+    /// `undefined not counted`
+    NotCounted = not_counted {}
     /// `match spread between individuals of rate(gap_accepted) within 80 % of error`
     MatchedSpread = matched_spread { rate: Rate, within: (Expression) }
     /// `match mean of walker.model.ped_free_speed to 1.34 m/s within 0.03 m/s`, or its deviation
@@ -462,8 +472,8 @@ pub static CALIBRATE_BLOCK: BlockEntry = BlockEntry {
         statement(
             "match",
             Rule::matched,
-            "match rate(gap_accepted) to \"human_crossing.csv\" undefined fails",
-            "What people did, a condition a row.",
+            "match rate(gap_accepted) to \"human_crossing.csv\" undefined fails`, `match rate(gap_accepted) to \"human_crossing.csv\" undefined not counted`, `match rate(gap_accepted(cars_5, walker)) to \"pivot.csv\" where no gap_accepted(cars_4, walker)",
+            "What people did, a condition a row. Shares are of all runs, or only of those that count, as those of people are of the trials in which they were still there: `where` something holds, or with `undefined not counted` where the metric exists.",
         )
         .key("match", YamlShape::Words)
         .needed("observations", "match rate(gap_accepted) to \"people.csv\""),

@@ -102,16 +102,32 @@ pub fn access_orders(
     other_distance: f64,
     other_passage: &ConflictPassage,
 ) -> AccessOrders {
+    let other = (other, other_distance, other_passage);
+    access_orders_that_count((true, true), body, manner, (distance, speed), other)
+}
+
+/// As [`access_orders`]; of passing first and passing second what does not count is `None`.
+#[inline]
+pub fn access_orders_that_count(
+    (first, second): (bool, bool),
+    body: &AgentBody,
+    manner: &Manner,
+    (distance, speed): (f64, f64),
+    (other, other_distance, other_passage): (&AgentBody, f64, &ConflictPassage),
+) -> AccessOrders {
     if body.occupies(distance) && other.occupies(other_distance) {
         return AccessOrders { first: None, second: None };
     }
     let free = FreeMove::new(speed, manner);
     if distance <= -body.half_extent - manner.safety_distance {
-        return AccessOrders { first: Some(free.course()), second: Some(free.course()) };
+        let course = |counts: bool| counts.then(|| free.course());
+        return AccessOrders { first: course(first), second: course(second) };
     }
+    let pass_first = || pass_first(body, manner, distance, &free, other, other_distance, other_passage);
+    let pass_second = || pass_second(body, manner, distance, &free, other, other_distance, other_passage);
     AccessOrders {
-        first: pass_first(body, manner, distance, &free, other, other_distance, other_passage),
-        second: pass_second(body, manner, distance, &free, other, other_distance, other_passage),
+        first: if first { pass_first() } else { None },
+        second: if second { pass_second() } else { None },
     }
 }
 

@@ -1,6 +1,6 @@
 //! Affordance-based values: what the access orders are worth to a road user, seen from its present state (§7).
 
-use super::access::{AccessCourse, Manner, access_orders};
+use super::access::{AccessCourse, Manner, access_orders_that_count};
 use super::looming::{LoomingCost, OtherTrack, OwnTrack};
 use super::parameters::Parameters;
 use super::prediction::{Behaviour, PredictedState};
@@ -161,20 +161,18 @@ impl Valuation {
         if party.enters_early(to.distance, rules) {
             return f64::NEG_INFINITY;
         }
-        let orders = access_orders(
+        let orders = access_orders_that_count(
+            (counting != AgentOrders::Second, counting != AgentOrders::First),
             &party.body,
             &party.manner,
-            to.distance,
-            to.speed,
-            &other.body,
-            theirs.to.state.distance,
-            &theirs.to.passage,
+            (to.distance, to.speed),
+            (&other.body, theirs.to.state.distance, &theirs.to.passage),
         );
         let mut best = f64::NEG_INFINITY;
-        if let (Some(course), AgentOrders::Better | AgentOrders::First) = (&orders.first, counting) {
+        if let Some(course) = &orders.first {
             best = self.of_course(party, own, course, true, other, theirs, rules);
         }
-        if let (Some(course), AgentOrders::Better | AgentOrders::Second) = (&orders.second, counting) {
+        if let Some(course) = &orders.second {
             let second = self.of_course(party, own, course, false, other, theirs, rules);
             if second > best {
                 best = second;

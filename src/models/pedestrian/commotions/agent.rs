@@ -7,7 +7,7 @@ pub use super::affordance::Rules;
 use super::belief::PerBehaviour;
 use super::decision::Decider;
 use super::draws::{DrawnOnce, StandardNormals};
-use super::other::{Other, Reasoning};
+use super::other::{Other, OwnMoves, Reasoning};
 use super::parameters::Parameters;
 use super::perception::Percept;
 use super::state::{AgentBody, Control, State};
@@ -84,6 +84,10 @@ pub struct CommotionsAgent {
     plan: ActionPlan,
     decider: Decider,
     others: Vec<Other>,
+    /// What it may do at the present step, for each place that it is at on its way to somebody.
+    moves: Vec<OwnMoves>,
+    /// How far the next of the candidates on each path is that has not entered the conflict space at the present step: path and m.
+    next: Vec<(usize, f64)>,
     /// Who decided last; whom one goes on meeting while no conflict is open.
     met: Option<usize>,
     /// Whether there was a decision yet.
@@ -122,6 +126,8 @@ impl CommotionsAgent {
             reasoning,
             // The published model knows one other, who is met wherever it is.
             met: (others.len() == 1).then_some(0),
+            moves: Vec::with_capacity(others.len()),
+            next: Vec::with_capacity(others.len()),
             others,
             decided: false,
             drawn: Vec::with_capacity(MOST_DRAWN),
@@ -239,9 +245,11 @@ impl CommotionsAgent {
             return Some(Thinking::Finished);
         }
         self.plan.begin_step(sights.first()?.own.speed);
+        self.moves.clear();
+        self.find_next(sights, candidates);
         let mut decisive: Option<(&Sight, usize)> = None;
         for sight in sights {
-            let weighed = self.is_weighed(sight, sights, candidates);
+            let weighed = self.is_weighed(sight, candidates);
             let mut read = 0;
             match sight.conflict {
                 _ if weighed && sight.conflict != ConflictState::Remembered => {
@@ -274,11 +282,12 @@ impl CommotionsAgent {
         weighed: bool,
         draws: &mut impl StandardNormals,
     ) -> usize {
-        let Self { reasoning, plan, others, drawn, .. } = self;
+        let Self { reasoning, plan, others, moves, drawn, .. } = self;
         let mut deviates = DrawnOnce::from(drawn, 0, draws);
         let other = &mut others[sight.other];
         let Sight { own, state, apart, .. } = sight;
-        other.consider(reasoning, plan, own, state, *apart, rules, weighed, &mut deviates);
+        let own = other.own_moves(reasoning, plan, own, moves);
+        other.consider(reasoning, &moves[own], state, *apart, rules, weighed, &mut deviates);
         deviates.read()
     }
 
@@ -296,23 +305,31 @@ impl CommotionsAgent {
         }
     }
 
+    /// Finds the next of the candidates on each path.
+    fn find_next(&mut self, sights: &[Sight], candidates: Candidates) {
+        self.next.clear();
+        for sight in sights {
+            let distance = sight.state.distance;
+            // What is no number is before nobody.
+            let enters = !distance.is_nan() && !self.others[sight.other].is_inside(distance);
+            if !enters || !candidates.include(sight) {
+                continue;
+            }
+            match self.next.iter_mut().find(|(path, _)| *path == sight.path) {
+                Some((_, nearest)) if distance < *nearest => *nearest = distance,
+                Some(_) => {}
+                None => self.next.push((sight.path, distance)),
+            }
+        }
+    }
+
     /// Whether `sight` is one of the candidates and inside the conflict space, or the next of them on its path.
-    fn is_weighed(&self, sight: &Sight, sights: &[Sight], candidates: Candidates) -> bool {
-        let among = |sight: &Sight| match candidates {
-            Candidates::Open => sight.conflict == ConflictState::Open,
-            Candidates::Dormant => sight.conflict == ConflictState::Dormant,
-            Candidates::Met(met) => sight.other == met,
-        };
-        let inside = |sight: &Sight| self.others[sight.other].is_inside(sight.state.distance);
-        let before = |other: &Sight| {
-            other.path == sight.path
-                && other.state.distance < sight.state.distance
-                && among(other)
-                && !inside(other)
-        };
+    fn is_weighed(&self, sight: &Sight, candidates: Candidates) -> bool {
+        let distance = sight.state.distance;
+        let is_next = || !self.next.iter().any(|(path, nearest)| *path == sight.path && *nearest < distance);
         match sight.conflict {
             ConflictState::Remembered => candidates == Candidates::Open,
-            _ => among(sight) && (inside(sight) || !sights.iter().any(before)),
+            _ => candidates.include(sight) && (self.others[sight.other].is_inside(distance) || is_next()),
         }
     }
 
@@ -382,6 +399,16 @@ enum Candidates {
     Dormant,
     /// None is: the one who decided last.
     Met(usize),
+}
+
+impl Candidates {
+    fn include(self, sight: &Sight) -> bool {
+        match self {
+            Self::Open => sight.conflict == ConflictState::Open,
+            Self::Dormant => sight.conflict == ConflictState::Dormant,
+            Self::Met(met) => sight.other == met,
+        }
+    }
 }
 
 #[cfg(test)]

@@ -150,8 +150,8 @@ impl LaboratoryStudy<'_> {
             [0, 1].map(|pass| counts.iter().map(|one| one[pass].clone()).collect::<Vec<Vec<u32>>>());
         Laboratories {
             observed,
-            features: HeldCounts { held: &own, runs: self.runs }.smoothed(self.coordinates),
-            fresh: HeldCounts { held: &fresh, runs: self.runs }.shares(),
+            features: HeldCounts { held: &own, defined: &[], runs: self.runs }.smoothed(self.coordinates),
+            fresh: HeldCounts { held: &fresh, defined: &[], runs: self.runs }.shares(),
         }
     }
 }
@@ -270,7 +270,8 @@ mod tests {
                 ObservedPersons { laboratory, share: target(value), spread: target(value) }
             });
         let shares: Vec<Vec<f64>> = (0..100).map(|one| vec![f64::from(u8::from(one < 50)); 2]).collect();
-        let all = CandidateShares { pairs: shares.clone(), shares };
+        let defined = vec![vec![1.0; 2]; 100];
+        let all = CandidateShares { pairs: shares.clone(), shares, defined_pairs: defined.clone(), defined };
         Laboratories { observed: observed.into(), features: all.clone(), fresh: all }
     }
 

@@ -13,7 +13,7 @@ use nalgebra::Vector2;
 use numbers::random::Stream;
 use scenario::{Conflict, ConflictArea, Declaration, Dimension, Road, Settings, Side, half_extent};
 use sim::random::{self, Purpose};
-use sim::sight::sees_vehicle;
+use sim::sight::{sees_all_vehicles, sees_vehicle};
 use sim::{
     Longitudinal, Mode, ModelError, ModelState, Motion, Pedestrian, PedestrianState, Scene, StateQuantity,
     Stated, StatedBy, VehicleState,
@@ -435,9 +435,10 @@ impl Walker {
             false => f64::INFINITY,
             true => (Vector2::from(scene.goal) - me.position).dot(&way),
         };
+        let sees_all = sees_all_vehicles(scene);
         self.sights.clear();
         for (other, (meeting, vehicle)) in self.meetings.iter_mut().zip(scene.vehicles).enumerate() {
-            let seen = sees_vehicle(scene, other);
+            let seen = sees_all || sees_vehicle(scene, other);
             let approaches = if seen {
                 if might_be_hidden {
                     meeting.sees(scene.time, vehicle.motion);

@@ -42,6 +42,47 @@ impl Reasoning {
     }
 }
 
+/// What one may do at a step, and where that leads (§8.2): the same for all others whom one meets with the same body at the same place.
+#[derive(Clone, Debug)]
+pub struct OwnMoves {
+    body: AgentBody,
+    here: State,
+    /// One's passage through the conflict space if one goes on, as others see it.
+    passage: ConflictPassage,
+    /// Of each action the first before it that leads to the same state: they are worth the same.
+    same: [Option<usize>; ACTIONS],
+    /// Of the others.
+    moves: [AgentMove; ACTIONS],
+}
+
+impl OwnMoves {
+    /// Of the road user `own` at `here`.
+    fn new(reasoning: &Reasoning, plan: &ActionPlan, own: &Party, here: &State) -> Self {
+        let Reasoning { valuation, .. } = reasoning;
+        let destinations = plan.destinations(here.distance, here.speed);
+        // Such as those of whoever stands and would slow down.
+        let same = same_before(&destinations);
+        let mut moves = [AgentMove::default(); ACTIONS];
+        for (j, own_move) in moves.iter_mut().enumerate().filter(|(j, _)| same[*j].is_none()) {
+            let to = PredictedState::new(destinations.state(j), &own.body, valuation.other_acceleration);
+            *own_move = valuation.move_to(own, here, to);
+        }
+        let with_acceleration = valuation.other_acceleration && own.body.control == Control::Acceleration;
+        let passage = ConflictPassage::of(here, own.body.half_extent, with_acceleration);
+        Self { body: own.body, here: *here, passage, same, moves }
+    }
+
+    /// Whether they are those of this body at this place, to the bit.
+    fn is_of(&self, body: &AgentBody, here: &State) -> bool {
+        let bits = |body: &AgentBody, here: &State| {
+            let AgentBody { half_extent, cosine, width, .. } = *body;
+            let State { distance, speed, acceleration } = *here;
+            [half_extent, cosine, width, distance, speed, acceleration].map(f64::to_bits)
+        };
+        self.body.control == body.control && bits(&self.body, &self.here) == bits(body, here)
+    }
+}
+
 /// Another road user in one's mind.
 #[derive(Clone, Debug)]
 pub struct Other {
@@ -122,13 +163,28 @@ impl Other {
         self.beliefs.forget_values();
     }
 
-    /// One step of perception, prediction and belief; where it is `weighed`, the expected values of one's actions, too.
+    /// The place among the moves that are `known` of this step of one's own at `here`, who are added if they are not there.
+    pub fn own_moves(
+        &self,
+        reasoning: &Reasoning,
+        plan: &ActionPlan,
+        here: &State,
+        known: &mut Vec<OwnMoves>,
+    ) -> usize {
+        let found = known.iter().position(|moves| moves.is_of(&self.own.body, here));
+        found.unwrap_or_else(|| {
+            known.push(OwnMoves::new(reasoning, plan, &self.own, here));
+            known.len() - 1
+        })
+    }
+
+    /// One step of perception, prediction and belief; where it is `weighed`, the expected values of one's actions, too. `own` is what one may
+    /// do oneself.
     #[allow(clippy::too_many_arguments, reason = "who reasons, what both publish, and what holds besides")]
     pub fn consider(
         &mut self,
         reasoning: &Reasoning,
-        plan: &ActionPlan,
-        own: &State,
+        own: &OwnMoves,
         other: &State,
         apart: Option<f64>,
         rules: &Rules,
@@ -139,12 +195,11 @@ impl Other {
             (self.perception, self.beliefs) = self.unseen.clone();
             self.lapsed = false;
         }
-        self.percept = self.perception.perceive(own.distance, *other, apart, draws);
+        self.percept = self.perception.perceive(own.here.distance, *other, apart, draws);
         let accelerations = self.behaviours(reasoning, own);
         let Percept { distance, speed } = self.percept;
         let perceived = State { distance, speed, acceleration: other.acceleration };
-        let (values, others_values) =
-            self.values(reasoning, plan, own, &perceived, &accelerations, rules, weighed);
+        let (values, others_values) = self.values(reasoning, own, &perceived, &accelerations, rules, weighed);
         self.probabilities = self.beliefs.update(&self.percept, &accelerations, &others_values, draws);
         if weighed {
             self.expected = [0.0; ACTIONS];
@@ -157,24 +212,19 @@ impl Other {
     }
 
     /// What the other may do (§8.1).
-    fn behaviours(&self, reasoning: &Reasoning, own: &State) -> BehaviourAccelerations {
+    fn behaviours(&self, reasoning: &Reasoning, own: &OwnMoves) -> BehaviourAccelerations {
         behaviours(reasoning.estimates_behaviour, || {
-            let with_acceleration =
-                reasoning.valuation.other_acceleration && self.own.body.control == Control::Acceleration;
-            let passage = ConflictPassage::of(own, self.own.body.half_extent, with_acceleration);
             let Party { body, manner, .. } = &self.party;
             let Percept { distance, speed } = self.percept;
-            access_orders(body, manner, distance, speed, &self.own.body, own.distance, &passage)
+            access_orders(body, manner, distance, speed, &own.body, own.here.distance, &own.passage)
         })
     }
 
     /// V(j|b), where it is `weighed`, and W(b|j), squashed (§8.3).
-    #[allow(clippy::too_many_arguments, reason = "who reasons, what both publish, and what holds besides")]
     fn values(
         &self,
         reasoning: &Reasoning,
-        plan: &ActionPlan,
-        own: &State,
+        own: &OwnMoves,
         other: &State,
         accelerations: &BehaviourAccelerations,
         rules: &Rules,
@@ -183,15 +233,8 @@ impl Other {
         let valuation = &reasoning.valuation;
         let mut values = [[0.0; ACTIONS]; BEHAVIOURS];
         let mut others_values = [[0.0; ACTIONS]; BEHAVIOURS];
-        let destinations = plan.destinations(own.distance, own.speed);
-        // Actions that lead to the same state, as of whoever stands and would slow down, are worth the same.
-        let same = same_before(&destinations);
+        let OwnMoves { same, moves, .. } = own;
         let as_no_action = same[NO_ACTION].unwrap_or(NO_ACTION);
-        let mut moves = [AgentMove::default(); ACTIONS];
-        for (j, own_move) in moves.iter_mut().enumerate().filter(|(j, _)| same[*j].is_none()) {
-            let to = PredictedState::new(destinations.state(j), &self.own.body, valuation.other_acceleration);
-            *own_move = valuation.move_to(&self.own, own, to);
-        }
         for behaviour in BEHAVIOUR_LIST {
             let b = behaviour as usize;
             let Some(acceleration) = accelerations[b] else { continue };
@@ -217,7 +260,8 @@ impl Other {
             if !reasoning.anticipates_influence {
                 others_values[b] = [others_values[b][as_no_action]; ACTIONS];
             }
-            for row in [&mut values[b], &mut others_values[b]] {
+            let rows = [&mut values[b], &mut others_values[b]];
+            for row in rows.into_iter().skip(usize::from(!weighed)) {
                 for value in row.iter_mut() {
                     *value /= valuation.scale;
                 }

@@ -4,7 +4,7 @@ use super::super::error::ExperimentError;
 use super::candidates::{WeighedCandidates, unsaid};
 use super::record::HeldRecord;
 use super::trial::CandidateTrial;
-use super::weigh::{Features, mean};
+use super::weigh::Features;
 use numbers::inference::effective_size;
 use results::ComparedPopulation;
 use scenario::MatchedParameter;
@@ -84,16 +84,18 @@ pub fn compare(
             ..trial.clone()
         };
         let done = own.make(record, pass, &everybody, |count| progress(before + count))?;
-        let features = Features::counted(&done, other.runs);
+        own.is_known(&done)?;
+        let features = Features::counted(&done, &own.defined(&done), other.runs);
         before += other.len();
-        let of = |rows: &[Vec<f64>], condition: usize| mean(rows, &other.weights, condition);
         found.push(ComparedPopulation {
             name: other.name.clone(),
             digest: other.digest.clone(),
             individuals: other.len(),
             runs: other.runs,
             shares: (0..trial.conditions.len())
-                .map(|condition| (of(&features.shares, condition), of(&features.spreads, condition)))
+                .map(|condition| {
+                    (features.share(&other.weights, condition), features.spread(&other.weights, condition))
+                })
                 .collect(),
             parameters: trial.block.parameters.iter().map(|one| other.statistic(one, trial)).collect(),
         });

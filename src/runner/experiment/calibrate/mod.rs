@@ -15,15 +15,15 @@ use super::error::ExperimentError;
 use crate::run::MeasuredMetrics;
 use candidates::WeighedCandidates;
 use compared::{ComparedPeople, compare};
-use numbers::inference::effective_size;
+use numbers::inference::{WeightTarget, effective_size};
 use numbers::random::derive_seed;
 use observed::Observed;
 use parameters::BoundedParameters;
-use record::HeldRecord;
-use results::{CalibrateResult, CalibratedCondition, CalibratedShare, Requests};
+use record::{HeldRecord, HeldRuns};
+use results::{CalibrateResult, CalibratedCondition, CalibratedShare, CountedRuns, Requests};
 use scenario::{Calibrate, ObservedRow};
 use trial::{CandidateTrial, ObservedCondition, conditions, failed};
-use weigh::{Features, Weighing, mean, percent, rms};
+use weigh::{Features, RESAMPLED, Weighing, percent, rms};
 
 /// Fresh noise is for candidates of as much weight together; the others change nothing that could be seen.
 const FRESH_WEIGHT: f64 = 0.99;
@@ -47,7 +47,8 @@ pub fn run_calibrate(
     let candidates = WeighedCandidates::of(block, context.scenario(&block.scenarios[0])?, seed)?;
     let parameters = BoundedParameters::of(block, &candidates)?;
     // What decides what candidates do; how they are weighed can be said otherwise, and the same runs go on being known.
-    let asked = (&block.condition, block.runs, &block.compared, seed);
+    let asked =
+        (&block.condition, block.only_defined, &block.counted_where, block.runs, &block.compared, seed);
     let people = (&candidates.names, &candidates.rows, &candidates.variant);
     let places: Vec<_> = conditions.iter().map(|one| (&one.scenario, one.label())).collect();
     let inputs = (asked, people, places);
@@ -58,6 +59,10 @@ pub fn run_calibrate(
     let called = format!("candidates of {}", block.name);
     let mut requests = Requests::default();
     requests.add(&block.condition.metric);
+    if let Some(counts) = &block.counted_where {
+        requests.add(&counts.metric);
+    }
+    let where_index = block.counted_where.as_ref().and_then(|counts| requests.index(&counts.metric));
     let trial = CandidateTrial {
         context,
         block,
@@ -66,6 +71,7 @@ pub fn run_calibrate(
         called: &called,
         runs: block.runs,
         measured: MeasuredMetrics::new(requests),
+        where_index,
         seed,
     };
     let others = ComparedPeople::of(&trial)?;
@@ -73,7 +79,9 @@ pub fn run_calibrate(
     let all = everybody.len();
     let whole = 2 * all + others.iter().map(ComparedPeople::len).sum::<usize>();
     let done = trial.make(&mut record, 0, &everybody, |count| progress.evaluated(count, whole, None))?;
-    let features = Features::predicted(&done, block.runs, &candidates);
+    trial.is_known(&done)?;
+    trial.somebody_is_there(&done, "run of any candidate")?;
+    let features = Features::predicted(&done, &trial.defined(&done), block.runs, &candidates);
     let rows: Vec<&ObservedRow> = conditions.iter().map(|one| one.row).collect();
     let observed: Vec<Observed> = rows.iter().map(|row| Observed::of(row)).collect();
     let weighing = Weighing {
@@ -85,7 +93,6 @@ pub fn run_calibrate(
         within: block.within,
         spread_within: block.spread_within.unwrap_or(block.within),
     };
-    let undefined = trial.undefined(&done)?;
     let missed = weighing.out_of_reach();
     if !missed.is_empty() {
         let hint = "take candidates over other ranges, or conditions that these people can be in";
@@ -94,7 +101,11 @@ pub fn run_calibrate(
             Some(hint),
         ));
     }
-    let weights = rounded(&weighing.weights().weights);
+    let not_found = || {
+        let reason = "no weights were found by which runs that count do what people did".to_string();
+        failed(reason, Some("take more candidates, or conditions in which more of them are still there"))
+    };
+    let weights = rounded(&weighing.weights().ok_or_else(not_found)?.weights);
     if parameters.missed(&weights).next().is_some() {
         let reason = "no weights were found by which parameters are distributed as is matched".to_string();
         return Err(failed(reason, Some("take more candidates, or a wider `within`")));
@@ -114,38 +125,62 @@ pub fn run_calibrate(
     })?;
     let compared =
         compare(&others, &trial, &mut record, |count| progress.evaluated(2 * all + count, whole, None))?;
-    let fresh = Features::counted(&fresh, block.runs);
+    trial.is_known(&fresh)?;
+    trial.somebody_is_there(&fresh, "fresh run of candidates with weight")?;
+    let fresh_defined = trial.defined(&fresh);
+    let fresh = Features::counted(&fresh, &fresh_defined, block.runs);
     let heavy: Vec<f64> = heaviest.iter().map(|one| weights[*one]).collect();
     let heavy_sum: f64 = heavy.iter().sum();
     let heavy: Vec<f64> = heavy.iter().map(|one| one / heavy_sum).collect();
 
     let left_out = weighing.left_out();
     let equal = vec![1.0 / all as f64; all];
+    let share_of_runs = |of: &dyn Fn(&HeldRuns) -> u32, index: usize| -> f64 {
+        let share = |row: &Vec<HeldRuns>| f64::from(of(&row[index])) / f64::from(block.runs);
+        done.iter().zip(&weights).map(|(row, weight)| weight * share(row)).sum()
+    };
     let mut found = Vec::new();
     for (index, condition) in conditions.iter().enumerate() {
-        let of = |own: &[Vec<f64>], fresh: &[Vec<f64>], target: numbers::inference::WeightTarget| {
-            CalibratedShare {
+        type Of = fn(&Features, &[f64], usize) -> Option<f64>;
+        let of = |of: Of, target: WeightTarget| {
+            Some(CalibratedShare {
                 observed: target.value,
                 error: target.error,
-                equal: mean(own, &equal, index),
-                fitted: mean(own, &weights, index),
-                fresh: mean(fresh, &heavy, index),
+                equal: of(&features, &equal, index)?,
+                fitted: of(&features, &weights, index)?,
+                fresh: of(&fresh, &heavy, index)?,
                 left_out: None,
                 matched: true,
-            }
+            })
         };
-        let mut share = of(&features.shares, &fresh.shares, observed[index].share);
-        let mut spread = of(&features.spreads, &fresh.spreads, observed[index].spread);
-        spread.matched = block.spread;
+        let nobody = |what: &str| {
+            let place = condition.row.in_words();
+            let reason = format!("too few runs of {place} count to tell {what} that was matched");
+            failed(reason, Some("take more runs, or candidates of whom more are still there"))
+        };
+        let mut share = of(Features::share, observed[index].share).ok_or_else(|| nobody("the share"))?;
+        let mut spread = observed[index].spread.and_then(|target| of(Features::spread, target));
+        if block.spread && observed[index].spread.is_some() && spread.is_none() {
+            return Err(nobody("the spread between individuals"));
+        }
         if let Some(left_out) = &left_out {
-            (share.left_out, spread.left_out) = (Some(left_out[index].0), Some(left_out[index].1));
+            share.left_out = left_out[index].0;
+        }
+        if let Some(spread) = &mut spread {
+            spread.matched = block.spread;
+            spread.left_out = left_out.as_ref().and_then(|left_out| left_out[index].1);
         }
         found.push(CalibratedCondition {
             scenario: condition.scenario.name.clone(),
             values: condition.label(),
             trials: condition.row.trials,
             persons: condition.row.persons,
-            undefined: undefined.iter().zip(&weights).map(|(row, weight)| weight * row[index]).sum(),
+            undefined: share_of_runs(&|one| one.undefined, index),
+            counted: rests_on(&fresh_defined, &heavy, index).map(|(runs, candidates)| CountedRuns {
+                share: (1.0 - share_of_runs(&|one| one.not_counted, index)).clamp(0.0, 1.0),
+                runs,
+                candidates,
+            }),
             share,
             spread,
         });
@@ -183,9 +218,22 @@ pub fn run_calibrate(
         weights,
     };
     result.digest = result.population().digest();
-    result.warnings = warnings(&result);
+    result.warnings = warnings(&result, block.only_defined);
     record.remove();
     Ok(result)
+}
+
+/// On how many runs of equal weight a condition rests where not all of them count, and of how many candidates (Kish 1965); `None` where all
+/// count.
+fn rests_on(defined: &[Vec<u32>], weights: &[f64], condition: usize) -> Option<(f64, f64)> {
+    let (mut all, mut runs, mut candidates) = (0.0, 0.0, 0.0);
+    for (row, weight) in defined.iter().zip(weights) {
+        let own = weight * f64::from(row[condition]);
+        all += own;
+        runs += weight * own;
+        candidates += own * own;
+    }
+    (candidates > 0.0).then(|| (all * all / runs, all * all / candidates))
 }
 
 /// The different speeds (m/s) that vehicles have in the conditions from the start, in rising order.
@@ -202,7 +250,7 @@ fn vehicle_speeds(conditions: &[ObservedCondition]) -> Vec<f64> {
     speeds
 }
 
-fn warnings(result: &CalibrateResult) -> Vec<String> {
+fn warnings(result: &CalibrateResult, only_defined: bool) -> Vec<String> {
     let mut warnings = Vec::new();
     if result.effective_size < LEAST_EFFECTIVE {
         warnings.push(format!(
@@ -210,17 +258,45 @@ fn warnings(result: &CalibrateResult) -> Vec<String> {
             result.effective_size
         ));
     }
-    for one in result.conditions.iter().filter(|one| one.undefined > MOST_UNDEFINED) {
+    // Fewer than are weighed at all, by half.
+    let few_candidates = result.effective_size.min(LEAST_EFFECTIVE) / 2.0;
+    for one in &result.conditions {
+        let few =
+            |counted: &CountedRuns| counted.runs < LEAST_EFFECTIVE || counted.candidates < few_candidates;
+        if let Some(counted) = one.counted.filter(few) {
+            warnings.push(format!(
+                "the share of {} {} rests on {:.0} runs of {:.0} candidates of equal weight that count for `{}`, {} of all; take more runs or candidates",
+                one.scenario,
+                one.values,
+                counted.runs,
+                counted.candidates,
+                result.matched,
+                percent(counted.share)
+            ));
+        }
+    }
+    if result.resampled.len() < RESAMPLED {
+        warnings.push(format!(
+            "of {RESAMPLED} drawings of persons anew weights were found for {}",
+            result.resampled.len()
+        ));
+    }
+    // Those that do not count are told beside the shares.
+    let of_counted =
+        |one: &CalibratedCondition| one.undefined / one.counted.map_or(1.0, |counted| counted.share);
+    let many = |one: &&CalibratedCondition| !only_defined && of_counted(one) > MOST_UNDEFINED;
+    for one in result.conditions.iter().filter(many) {
         warnings.push(format!(
             "in {} of the runs of {} {} `{}` is undefined or was cut off, and counts as the block says",
-            percent(one.undefined),
+            percent(of_counted(one)),
             one.scenario,
             one.values,
             result.matched
         ));
     }
     for one in &result.conditions {
-        for (what, share) in [("share", &one.share), ("spread", &one.spread)] {
+        let spread = one.spread.iter().map(|spread| ("spread", spread));
+        for (what, share) in std::iter::once(("share", &one.share)).chain(spread) {
             let apart = (share.fresh - share.observed) / share.error;
             if apart.abs() > 2.0 {
                 warnings.push(format!(

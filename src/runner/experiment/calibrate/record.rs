@@ -15,6 +15,12 @@ const FORMAT: LogFormat = LogFormat { name: "scenario-runner journal of weighed 
 pub struct HeldRuns {
     pub held: u32,
     pub undefined: u32,
+    /// Runs that do not count.
+    #[serde(default)]
+    pub not_counted: u32,
+    /// Runs of which nobody knows whether they count.
+    #[serde(default)]
+    pub unknown: u32,
 }
 
 #[derive(Serialize, Deserialize)]

@@ -85,8 +85,10 @@ pub struct CandidateTrial<'a> {
     pub called: &'a str,
     /// Of each in every condition.
     pub runs: u32,
-    /// Only what is matched: nothing else is asked of these runs.
+    /// What is matched and, if that is said, by what runs count: nothing else is asked of these runs.
     pub measured: Arc<MeasuredMetrics>,
+    /// The place of what runs count by in every outcome.
+    pub where_index: Option<usize>,
     pub seed: u64,
 }
 
@@ -177,12 +179,28 @@ impl CandidateTrial<'_> {
         Ok((1..=self.runs).map(case).collect())
     }
 
+    /// What the runs of a candidate in a condition say.
     fn done(&self, outcomes: &[Outcome]) -> HeldRuns {
-        let condition = &self.block.condition;
+        let Calibrate { condition, only_defined, counted_where, .. } = self.block;
         let mut done = HeldRuns::default();
-        for seen in outcomes.iter().map(|outcome| Seen::of(outcome, 0)) {
+        for outcome in outcomes {
+            if let Some((counts, index)) = counted_where.as_ref().zip(self.where_index) {
+                let seen = Seen::of(outcome, index);
+                let (at_least, at_most) = (seen.holds(counts, false), seen.holds(counts, true));
+                if !at_least {
+                    done.not_counted += 1;
+                    done.unknown += u32::from(at_most);
+                    continue;
+                }
+            }
+            let seen = Seen::of(outcome, 0);
             match seen {
                 Seen::Value(_) => done.held += u32::from(seen.holds(condition, false)),
+                Seen::Undefined | Seen::Open { .. } if *only_defined => {
+                    done.undefined += 1;
+                    done.not_counted += 1;
+                    done.unknown += u32::from(seen.is_open());
+                }
                 Seen::Undefined | Seen::Open { .. } => {
                     done.undefined += 1;
                     done.held += u32::from(condition.when_undefined == WhenUndefined::Passes);
@@ -192,28 +210,55 @@ impl CandidateTrial<'_> {
         done
     }
 
-    /// The share of runs of each candidate in each condition that say nothing; an error where the block does not say what they are.
-    pub fn undefined(&self, done: &[Vec<HeldRuns>]) -> Result<Vec<Vec<f64>>, ExperimentError> {
-        let runs = f64::from(self.block.runs);
-        if self.block.condition.when_undefined == WhenUndefined::AsDeclared {
-            for (index, condition) in self.conditions.iter().enumerate() {
-                let count: u64 = done.iter().map(|row| u64::from(row[index].undefined)).sum();
-                if count > 0 {
-                    let all = done.len() as u64 * u64::from(self.block.runs);
-                    let reason = format!(
-                        "in {count} of {all} runs of {} `{}` is undefined or was cut off, and nothing says what that is",
-                        condition.row.in_words(),
-                        self.block.text
-                    );
-                    return Err(failed(
-                        reason,
-                        Some(
-                            "say `undefined fails` behind the file, or give the scenario a longer `horizon`",
-                        ),
-                    ));
-                }
+    /// An error where runs say nothing and the block does not say what those are, and where nobody knows whether runs count.
+    pub fn is_known(&self, done: &[Vec<HeldRuns>]) -> Result<(), ExperimentError> {
+        let all = done.len() as u64 * u64::from(self.runs);
+        let is_said =
+            self.block.only_defined || self.block.condition.when_undefined != WhenUndefined::AsDeclared;
+        for (index, condition) in self.conditions.iter().enumerate() {
+            let sum = |of: &dyn Fn(&HeldRuns) -> u32| -> u64 {
+                done.iter().map(|row| u64::from(of(&row[index]))).sum()
+            };
+            let (place, text) = (condition.row.in_words(), &self.block.text);
+            let unknown = sum(&|one| one.unknown);
+            if unknown > 0 {
+                let reason = format!(
+                    "in {unknown} of {all} runs of {place} nobody knows whether they count for `{text}`: \
+                     they were cut off by the horizon, or what they count by is undefined"
+                );
+                let hint = "give the scenario a longer `horizon`, or count by a metric that every run has";
+                return Err(failed(reason, Some(hint)));
+            }
+            let undefined = sum(&|one| one.undefined);
+            if undefined > 0 && !is_said {
+                let reason = format!(
+                    "in {undefined} of {all} runs of {place} `{text}` is undefined or was cut off, and nothing says what that is"
+                );
+                let hint = "say `undefined fails` behind the file, or give the scenario a longer `horizon`";
+                return Err(failed(reason, Some(hint)));
             }
         }
-        Ok(done.iter().map(|row| row.iter().map(|one| f64::from(one.undefined) / runs).collect()).collect())
+        Ok(())
+    }
+
+    /// An error where in some condition no run counts, so that any weights would do. The runs are called `what`.
+    pub fn somebody_is_there(&self, done: &[Vec<HeldRuns>], what: &str) -> Result<(), ExperimentError> {
+        for (index, condition) in self.conditions.iter().enumerate() {
+            if done.iter().all(|row| row[index].not_counted == self.runs) {
+                let (place, text) = (condition.row.in_words(), &self.block.text);
+                let reason = format!("no {what} of {place} counts for `{text}`: nobody was left to do it");
+                let hint = "take candidates of whom some are still there, or more runs, or leave the row out";
+                return Err(failed(reason, Some(hint)));
+            }
+        }
+        Ok(())
+    }
+
+    /// In how many runs of each candidate it can be said whether it held, a number for each condition; no rows where all runs count.
+    pub fn defined(&self, done: &[Vec<HeldRuns>]) -> Vec<Vec<u32>> {
+        if !self.block.only_defined && self.block.counted_where.is_none() {
+            return Vec::new();
+        }
+        done.iter().map(|row| row.iter().map(|one| self.runs - one.not_counted).collect()).collect()
     }
 }
