@@ -41,10 +41,10 @@ pub struct CrosscdrArguments {
     #[arg(long, value_name = "TIME", default_value = "0 s")]
     looking: Vec<String>,
     /// How many of each population, drawn by the seed; more than there are means all. Of a model, how many runs in every condition.
-    #[arg(long, value_name = "N", default_value_t = 200, value_parser = number::some())]
+    #[arg(long, value_name = "N", default_value_t = 400, value_parser = number::some())]
     members: usize,
     /// Runs of each member of a population in every condition.
-    #[arg(long, value_name = "N", default_value_t = 2, value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     repetitions: u32,
     /// Decides who is drawn and the noise of every run.
     #[arg(long, default_value_t = 1)]

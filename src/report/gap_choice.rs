@@ -144,6 +144,7 @@ fn measure_name(measure: GapMeasure) -> String {
         }
         GapMeasure::LittleLeft(gap) => format!("{gap} s: less than 1 s left on leaving the near lane, %"),
         GapMeasure::MeanSpeed => "mean speed on the near lane, m/s".to_string(),
+        GapMeasure::SpeedInGap(gap) => format!("{gap} s: mean speed on the near lane, median, m/s"),
         GapMeasure::Collision => "collisions, %".to_string(),
         GapMeasure::NeverAcross => "not across within 60 s, %".to_string(),
         GapMeasure::StepBack => "stepped back, %".to_string(),

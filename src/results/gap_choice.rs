@@ -57,6 +57,8 @@ pub enum GapMeasure {
     LittleLeft(f64),
     /// Mean speed on the near lane.
     MeanSpeed,
+    /// The same, median of those who take the gap of that size (s) with others.
+    SpeedInGap(f64),
     /// Share of trials with a collision.
     Collision,
     /// Share of trials in which nobody crossed within 60 s.
@@ -70,7 +72,7 @@ impl GapMeasure {
     pub fn unit(self) -> GapUnit {
         match self {
             Self::EntryAfterPrevious(_) => GapUnit::Time,
-            Self::MeanSpeed => GapUnit::Speed,
+            Self::MeanSpeed | Self::SpeedInGap(_) => GapUnit::Speed,
             _ => GapUnit::Share,
         }
     }

@@ -83,6 +83,10 @@ pub fn read_people_at_gaps(file: &str, text: &str) -> Result<PeopleAtGaps, Facts
         measures.push((GapMeasure::LittleLeft(gap), facts.shares(&name)?));
     }
     measures.push((GapMeasure::MeanSpeed, facts.numbers("mean speed on the near lane, mean")?));
+    for (gap, _) in WITH_OTHERS {
+        let name = format!("mean speed on the near lane, pivot {gap:.1} s, median");
+        measures.push((GapMeasure::SpeedInGap(gap), facts.numbers(&name)?));
+    }
     measures.push((GapMeasure::Collision, facts.shares("collision")?));
     measures.push((GapMeasure::NeverAcross, facts.shares("nobody within 60 s")?));
     measures.push((GapMeasure::StepBack, facts.shares("step back")?));
@@ -161,6 +165,7 @@ pub(super) mod tests {
             names.push(format!("{before:.1} s before pivot {gap:.1} s, share of gaps offered"));
             names.push(format!("left on leaving the near lane < 1 s, pivot {gap:.1} s"));
             names.push(format!("entry after previous front, pivot {gap:.1} s, q50"));
+            names.push(format!("mean speed on the near lane, pivot {gap:.1} s, median"));
         }
         names.extend(
             ["2.0 s alone, share of gaps offered", "collision", "nobody within 60 s"].map(Into::into),
@@ -202,7 +207,7 @@ pub(super) mod tests {
         let pairs = people.conditions[5].pairs.unwrap();
         assert_eq!(pairs[1], PeopleNumber { value: 0.0, error: None, at_most: Some(0.05) });
         assert_eq!((pairs[0].value, pairs[ALL_PEOPLE].error), (0.25, Some(0.02)));
-        assert!(people.conditions[0].pairs.is_none() && people.measures.len() == 11);
+        assert!(people.conditions[0].pairs.is_none() && people.measures.len() == 13);
         let speed = people.measures.iter().find(|(measure, _)| *measure == GapMeasure::MeanSpeed);
         assert_eq!(speed.unwrap().1.map(|number| number.value), [1.5, 3.0, 2.25]);
     }

@@ -32,10 +32,12 @@ pub fn chosen_gaps(people: &PeopleAtGaps, walks: &[Vec<PersonsWalks>]) -> Chosen
             mean(&of(&|_| true).into_iter().filter_map(|walk| walk.speed).collect::<Vec<_>>())
         }
         GapMeasure::Collision => share(of(&|_| true).into_iter().map(|walk| Some(walk.was_hit))),
-        // The others are over before.
-        GapMeasure::NeverAcross => share(
-            of(&|condition| condition.with_others).into_iter().map(|walk| Some(walk.went == Went::Never)),
-        ),
+        GapMeasure::SpeedInGap(gap) => {
+            median_of(&took(*gap).filter_map(|walk| walk.speed).collect::<Vec<_>>())
+        }
+        GapMeasure::NeverAcross => {
+            share(of(&|_| true).into_iter().map(|walk| Some(walk.went == Went::Never)))
+        }
         GapMeasure::StepBack => share(of(&|_| true).into_iter().map(|walk| walk.stepped_back)),
     };
     ChosenGaps { conditions, measures: people.measures.iter().map(|(one, _)| measure(one)).collect() }
@@ -219,6 +221,7 @@ mod tests {
             GapMeasure::EntryAfterPrevious(4.0),
             GapMeasure::LittleLeft(4.0),
             GapMeasure::MeanSpeed,
+            GapMeasure::SpeedInGap(4.0),
             GapMeasure::ShortTaken(3.0),
         ] {
             assert_eq!(of(&walks, measure), None, "{measure:?}");
@@ -238,9 +241,10 @@ mod tests {
         // Who is hit has nothing left.
         assert_eq!(of(&walks, GapMeasure::LittleLeft(4.0)), Some(2.0 / 3.0));
         assert!((of(&walks, GapMeasure::MeanSpeed).unwrap() - 1.3).abs() < 1e-12);
-        // One each of five conditions, four and one with others, two of which are looked at for 60 s.
+        assert!((of(&walks, GapMeasure::SpeedInGap(4.0)).unwrap() - 1.4).abs() < 1e-12);
+        // One each of six conditions, and four.
         assert_eq!(of(&walks, GapMeasure::Collision), Some(1.0 / 10.0));
-        assert_eq!(of(&walks, GapMeasure::NeverAcross), Some(1.0 / 5.0));
+        assert_eq!(of(&walks, GapMeasure::NeverAcross), Some(1.0 / 10.0));
         assert_eq!(of(&walks, GapMeasure::StepBack), Some(1.0 / 10.0));
     }
 }

@@ -127,7 +127,7 @@ fn it_is_known_in_which_gap_somebody_goes_also_of_who_is_hit() {
     let far = walks(4.0, 3.0);
     assert_eq!((far.went, far.was_hit), (Went::InGap(2), true));
     assert!(near(far.speed, 3.0), "{far:?}");
-    let never = walks(50.0, 1.4);
+    let never = walks(59.5, 1.4);
     assert_eq!((never.went, never.was_hit, never.left, never.speed), (Went::Never, false, None, None));
 }
 

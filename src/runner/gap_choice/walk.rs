@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::run::MeasuredMetrics;
 use results::{Outcome, Requests};
 use scenario::registry::Registry;
-use scenario::{Case, MetricReference, Stream, Value};
+use scenario::{Case, MetricReference, TrafficStream, Value};
 
 /// As the scenario calls the stream of the near lane.
 pub const NEAR: &str = "near";
@@ -32,7 +32,7 @@ pub enum Went {
 /// What one run came to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Walk {
-    /// Who is hit on the near lane went in the gap in which it was hit.
+    /// Who is hit on the near lane went in the gap in which it entered the lane; in which it was hit, if it had not or had been there before.
     pub went: Went,
     /// From the front of the previous car to entering the near lane, s; `None` of who does not get across it.
     pub after_previous: Option<f64>,
@@ -53,6 +53,7 @@ pub struct GapMetrics {
     after_previous: MetricReference,
     left: MetricReference,
     duration: MetricReference,
+    first_entry: MetricReference,
     collision: MetricReference,
     step_back: MetricReference,
     pub measured: Arc<MeasuredMetrics>,
@@ -80,12 +81,18 @@ impl GapMetrics {
             metric.settings.set(name, value);
             metric
         };
+        let closes = TrafficStream::member_name(NEAR, LOOKED_AT);
         let all = Self {
             gap_taken: of_stream("gap_taken")?,
             gaps_missed: of_stream("gaps_missed")?,
             after_previous: of_stream("entry_after_previous")?,
             left: with(metric("time_left_on_leaving")?, "lane", Value::Number(0.0)),
-            duration: of_pair("crossing_duration", Stream::member_name(NEAR, 0), false)?,
+            duration: of_pair("crossing_duration", TrafficStream::member_name(NEAR, 0), false)?,
+            first_entry: with(
+                of_pair("tta_at_entry", closes, false)?,
+                "reference",
+                Value::Word("front".into()),
+            ),
             collision: metric("collision")?,
             step_back: metric("step_back")?,
             measured: Arc::default(),
@@ -93,8 +100,8 @@ impl GapMetrics {
         let mut requests = Requests::default();
         let Self { gap_taken, gaps_missed, after_previous, left, .. } = &all;
         [gap_taken, gaps_missed, after_previous, left].into_iter().for_each(|one| requests.add(one));
-        let Self { duration, collision, step_back, .. } = &all;
-        [duration, collision, step_back].into_iter().for_each(|one| requests.add(one));
+        let Self { duration, first_entry, collision, step_back, .. } = &all;
+        [duration, first_entry, collision, step_back].into_iter().for_each(|one| requests.add(one));
         Ok(Self { measured: MeasuredMetrics::new(requests), ..all })
     }
 
@@ -111,8 +118,10 @@ impl GapMetrics {
         let near = case.world.streams.iter().find(|stream| stream.name == NEAR);
         let near = near.ok_or_else(|| format!("{}: there is no stream `{NEAR}`", outcome.key))?;
         let was_hit = value(&self.collision) == Some(1.0);
-        // The front of a car touches who is before it sooner than it is past their way, and its side later.
-        let hit = || moment(&self.collision).filter(|_| was_hit);
+        // Cars push some people along the lane, who are hit where it is not known when which front passes.
+        let stepped_back = value(&self.step_back).map(|back| back == 1.0);
+        let only_entry = || moment(&self.first_entry).filter(|_| stepped_back != Some(true));
+        let hit = || only_entry().or_else(|| moment(&self.collision)).filter(|_| was_hit);
         let entered = moment(&self.gap_taken).or_else(|| moment(&self.gaps_missed)).or_else(hit);
         let went = match entered {
             None if was_hit => return Err(format!("{}: nobody knows when the person was hit", outcome.key)),
@@ -138,13 +147,13 @@ impl GapMetrics {
             left: value(&self.left),
             speed: value(&self.duration).filter(|duration| *duration > 0.0).map(speed),
             was_hit,
-            stepped_back: value(&self.step_back).map(|back| back == 1.0),
+            stepped_back,
         })
     }
 }
 
 /// When the front of each car of a stream passes the person's way, s. None of them slows down.
-fn fronts<'a>(case: &'a Case, stream: &'a Stream) -> impl Iterator<Item = f64> + 'a {
+fn fronts<'a>(case: &'a Case, stream: &'a TrafficStream) -> impl Iterator<Item = f64> + 'a {
     stream.vehicles.iter().zip(&stream.arrivals).map(|(vehicle, arrival)| {
         let car = &case.world.vehicles[*vehicle];
         arrival - car.length / 2.0 / car.speed
