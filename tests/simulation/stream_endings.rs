@@ -240,3 +240,22 @@ fn every_vehicle_is_waited_for_where_nobody_walks_or_somebody_never_arrives() {
     assert_eq!(empty.ending.reason, StopReason::Completed);
     assert!((empty.ending.time - (15.0 + 20.0 / SPEED)).abs() < 0.03, "{:?}", empty.ending);
 }
+
+#[test]
+fn of_a_stream_only_vehicles_that_stand_have_not_arrived_when_time_is_up() {
+    let due = [1.0, 4.0, 7.0, 10.0];
+    let not_arrived = |drives: &str| {
+        let mut street = world(&[("cars", 0, &due)], ("scripted", &Settings::default()), drives);
+        street.horizon = 8.0;
+        // In the lane.
+        street.pedestrians[0].start.y = -6.0;
+        street.pedestrians[0].goal.y = 1.0;
+        let run = outcome(&street, 1);
+        assert_eq!(run.ending.reason, StopReason::Horizon);
+        run.cut_off.expect("time was up").stranded.iter().map(ToString::to_string).collect::<Vec<_>>()
+    };
+    let people = not_arrived("constant_speed");
+    assert!(people.iter().all(|who| who == "walker"), "{people:?}");
+    let all = not_arrived("yielding");
+    assert!(all.iter().any(|who| who.starts_with("cars_")), "{all:?}");
+}

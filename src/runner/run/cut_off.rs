@@ -25,6 +25,9 @@ fn stranded(world: &World, last: &Snapshot, measurement: &Measurement) -> Vec<Ar
     let touches = |car: usize| solids(world, car).any(|with| measurement.touched(car, with));
     // A vehicle that was waiting from the beginning has nowhere to go.
     let drivers = (0..cars).filter(|car| world.vehicles[*car].placing_speed() > 0.0 && !touches(*car));
+    // At any moment some vehicles of a stream are still on their way.
+    let in_stream = |car: &usize| world.streams.iter().any(|stream| stream.vehicles.contains(car));
+    let drivers = drivers.filter(|car| !in_stream(car) || last.vehicles[*car].motion.speed == 0.0);
     let people = (0..world.pedestrians.len()).filter(|index| last.pedestrians[*index].present);
     let people = people.map(Solid::Pedestrian).filter(|person| !was_hit(*person));
     let missing = drivers.map(Solid::Vehicle).chain(people).filter(|who| !has_arrived(world, last, *who));
