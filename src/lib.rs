@@ -220,6 +220,11 @@ pub mod why {
     pub use runner::why::story;
 }
 
+/// Populations and models beside people who chose a gap in two streams of cars.
+pub mod gap_choice {
+    pub use runner::gap_choice::{Choosing, FactsError, GapChoiceError, GapStudy, read_people_at_gaps};
+}
+
 /// Suites that are run again when what they read has changed.
 pub mod watch {
     pub use runner::watch::{Agenda, Extent, Quiet, SuiteState};

@@ -213,7 +213,7 @@ fn size(block: &Block) -> Vec<(&'static str, usize)> {
     vec![match block {
         Block::Search(search) => ("evaluation", search.budget.evaluations as usize),
         Block::Tune(tune) => ("evaluation", tune.budget.evaluations as usize),
-        Block::Calibrate(calibrate) => ("condition", calibrate.observations.rows.len()),
+        Block::Calibrate(calibrate) => ("condition", calibrate.conditions()),
         Block::Estimate(estimate) => ("run", estimate.budget as usize),
         Block::Evaluate(evaluate) => ("condition", evaluate.conditions.len()),
         Block::Statement(statement) if statement.claims.is_empty() => return Vec::new(),

@@ -37,7 +37,7 @@ pub struct CrosscdrArguments {
     /// A pedestrian model with its defaults, as one person. May be repeated.
     #[arg(long, value_name = "MODEL")]
     model: Vec<String>,
-    /// For how long they look before they may go, when the first car is 2 s away. Several times are several columns.
+    /// For how long they look before they may go, which is when the front of the first car has passed. Several times are several columns.
     #[arg(long, value_name = "TIME", default_value = "0 s")]
     looking: Vec<String>,
     /// How many of each population, drawn by the seed; more than there are means all. Of a model, how many runs in every condition.

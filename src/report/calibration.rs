@@ -78,7 +78,7 @@ pub(super) fn rows(result: &CalibrateResult, shares: bool) -> Vec<Vec<String>> {
         let CalibratedShare { observed, error, equal, fitted, fresh, left_out, .. } = share?;
         let perhaps = |share: Option<f64>| share.map_or_else(|| "–".to_string(), points);
         let mut cells = vec![
-            format!("{} {}", one.scenario, one.values).trim_end().to_string(),
+            one.in_words(),
             format!("{} ± {}", points(observed), points(error)),
             points(equal),
             points(fitted),
@@ -149,13 +149,13 @@ pub fn draw_calibration(result: &CalibrateResult) -> String {
     const TOP: f64 = 34.0;
     const LINE: f64 = 18.0;
     let drawn = drawn(result);
-    let mut scenarios: Vec<&str> = Vec::new();
+    let mut subjects: Vec<String> = Vec::new();
     for one in &result.conditions {
-        if !scenarios.contains(&one.scenario.as_str()) {
-            scenarios.push(&one.scenario);
+        if !subjects.contains(&one.subject()) {
+            subjects.push(one.subject());
         }
     }
-    let width = LEFT + (WIDTH + 30.0) * scenarios.len() as f64;
+    let width = LEFT + (WIDTH + 30.0) * subjects.len() as f64;
     let legend = TOP + HEIGHT + 2.0 * LINE;
     let height = legend + LINE * (drawn.len() + 2) as f64;
     let mut svg = format!(
@@ -163,13 +163,13 @@ pub fn draw_calibration(result: &CalibrateResult) -> String {
          <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
     );
     let y = |share: f64| TOP + HEIGHT * (1.0 - share);
-    for (panel, scenario) in scenarios.iter().enumerate() {
+    for (panel, subject) in subjects.iter().enumerate() {
         let left = LEFT + (WIDTH + 30.0) * panel as f64;
         let of: Vec<usize> = (0..result.conditions.len())
-            .filter(|index| result.conditions[*index].scenario == *scenario)
+            .filter(|index| result.conditions[*index].subject() == *subject)
             .collect();
         let x = |place: usize| left + WIDTH * (place as f64 + 0.5) / of.len() as f64;
-        writeln!(svg, "<text x=\"{left}\" y=\"20\" font-weight=\"bold\">{}</text>", html(scenario))
+        writeln!(svg, "<text x=\"{left}\" y=\"20\" font-weight=\"bold\">{}</text>", html(subject))
             .expect(STRING);
         for tenth in (0..=10).step_by(2) {
             let at = y(f64::from(tenth) / 10.0);

@@ -71,6 +71,9 @@ pub struct CalibratedCondition {
     pub scenario: String,
     /// What varies, such as `gap=3s`.
     pub values: String,
+    /// What was counted, where several rates are matched.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rate: Option<String>,
     /// How many trials were observed.
     pub trials: u32,
     /// Of how many persons.
@@ -154,6 +157,20 @@ pub struct CalibratedShare {
     pub matched: bool,
 }
 
+impl CalibratedCondition {
+    /// The scenario, and behind it what was counted where that is not the same in all conditions.
+    pub fn subject(&self) -> String {
+        self.rate.as_ref().map_or_else(|| self.scenario.clone(), |rate| format!("{}: {rate}", self.scenario))
+    }
+
+    /// The condition in words, such as `crossing gap=3s`.
+    pub fn in_words(&self) -> String {
+        let place = format!("{} {}", self.scenario, self.values);
+        let place = place.trim_end();
+        self.rate.as_ref().map_or_else(|| place.to_string(), |rate| format!("{place}: {rate}"))
+    }
+}
+
 impl CalibrateResult {
     /// The largest error of a share under fresh noise.
     pub fn worst_fresh(&self) -> f64 {
@@ -179,6 +196,9 @@ impl CalibrateResult {
                     told["spread_observed"] = json!(spread.observed);
                     told["spread_error"] = json!(spread.error);
                     told["spread_fresh"] = json!(spread.fresh);
+                }
+                if let Some(rate) = &one.rate {
+                    told["rate"] = json!(rate);
                 }
                 if let Some(counted) = one.counted {
                     told["counted"] = json!(counted);

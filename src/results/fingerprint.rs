@@ -124,6 +124,7 @@ impl Mixture {
         for CalibratedCondition {
             scenario: _,
             values: _,
+            rate: _,
             trials,
             persons,
             undefined,

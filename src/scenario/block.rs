@@ -5,8 +5,8 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Calibrate, Estimate, Evaluate, Keep, MetricReference, Origin, Search, Statement, StatementClaim, Suite,
-    Tune,
+    Calibrate, Estimate, Evaluate, Keep, MatchedRate, MetricReference, Origin, Search, Statement,
+    StatementClaim, Suite, Tune,
 };
 
 /// Something in a suite that takes simulations and gives one result.
@@ -115,7 +115,9 @@ impl Block {
             Self::Evaluate(evaluate) => {
                 evaluate.measures.iter_mut().map(|measure| measure.aggregate.metric_mut()).collect()
             }
-            Self::Calibrate(calibrate) => vec![&mut calibrate.condition.metric],
+            Self::Calibrate(calibrate) => {
+                calibrate.rates.iter_mut().flat_map(MatchedRate::metrics_mut).collect()
+            }
             Self::Estimate(estimate) => {
                 [&mut estimate.event.metric].into_iter().chain(&mut estimate.score).collect()
             }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Comparison, Individuals, Observations, Origin};
+use super::{Comparison, Individuals, MetricReference, Observations, Origin};
 
 /// Weighs candidates so that they do in scenarios what people did who were observed there.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -15,27 +15,11 @@ pub struct Calibrate {
     pub candidates: CandidateSource,
     /// The scenarios whose conditions people were observed in, at least one.
     pub scenarios: Vec<String>,
-    /// What is counted of every run; it says itself what an undefined run counts as.
-    pub condition: Comparison,
-    /// Whether undefined runs are not counted: shares are then of the other runs, as those of people are of the trials in which they
-    /// were still there.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub only_defined: bool,
-    /// Only runs in which this holds count, such as those in which somebody is still there.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub counted_where: Option<Comparison>,
-    /// In canonical words, such as `rate(gap_accepted)`.
-    pub text: String,
-    /// What people did.
-    pub observations: Observations,
-    /// Whether the spread between persons is matched as well.
-    pub spread: bool,
+    /// What people did, at least one rate. Rows of several may be about the same scenario.
+    pub rates: Vec<MatchedRate>,
     /// How many of their errors targets are to be matched within; 1: as well as they are known.
     #[serde(default = "one_error", skip_serializing_if = "is_one_error")]
     pub within: f64,
-    /// The same of the spread between persons; `None`: as of shares.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub spread_within: Option<f64>,
     /// What is known besides of how their parameters are distributed.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub parameters: Vec<MatchedParameter>,
@@ -48,6 +32,68 @@ pub struct Calibrate {
     pub compared: Vec<Individuals>,
     /// Where it is declared.
     pub origin: Origin,
+}
+
+/// A rate that people were observed with.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct MatchedRate {
+    /// What is counted of every run; it says itself what an undefined run counts as.
+    pub condition: Comparison,
+    /// Whether undefined runs are not counted: shares are then of the other runs, as those of people are of the trials in which they
+    /// were still there.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub only_defined: bool,
+    /// Only runs in which this holds count, such as those in which the person is still there.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub counted_where: Option<Comparison>,
+    /// In canonical words, such as `rate(gap_accepted)`.
+    pub text: String,
+    /// What people did.
+    pub observations: Observations,
+    /// How many of its errors the spread between persons is to be matched within; `None`: it is not matched.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spread_within: Option<f64>,
+}
+
+impl MatchedRate {
+    /// Whether only some runs count.
+    pub fn counts_some(&self) -> bool {
+        self.only_defined || self.counted_where.is_some()
+    }
+
+    /// The metrics that are asked of a run.
+    pub fn metrics(&self) -> impl Iterator<Item = &MetricReference> {
+        let counted_where = self.counted_where.as_ref();
+        [&self.condition].into_iter().chain(counted_where).map(|one| &one.metric)
+    }
+
+    /// The same, to be changed.
+    pub fn metrics_mut(&mut self) -> impl Iterator<Item = &mut MetricReference> {
+        let counted_where = self.counted_where.as_mut();
+        [&mut self.condition].into_iter().chain(counted_where).map(|one| &mut one.metric)
+    }
+
+    /// Whether people were observed in a scenario of this name.
+    pub fn is_about(&self, scenario: &str) -> bool {
+        self.observations.is_about(scenario)
+    }
+
+    /// How many numbers of people are matched.
+    pub fn targets(&self) -> usize {
+        self.observations.targets(self.spread_within.is_some())
+    }
+}
+
+impl Calibrate {
+    /// How many numbers are matched, of people and of their parameters.
+    pub fn targets(&self) -> usize {
+        self.rates.iter().map(MatchedRate::targets).sum::<usize>() + self.parameters.len()
+    }
+
+    /// How many conditions people were observed in.
+    pub fn conditions(&self) -> usize {
+        self.rates.iter().map(|rate| rate.observations.rows.len()).sum()
+    }
 }
 
 /// Where candidates come from.

@@ -75,7 +75,7 @@ pub use aggregate::{AGGREGATES, Aggregate, AggregateBounds, AggregateOf, Aggrega
 pub use approach::Approach;
 pub use attention::{Attention, LooksAt};
 pub use block::Block;
-pub use calibrate::{Calibrate, CandidateSource, MatchedParameter, ParameterStatistic};
+pub use calibrate::{Calibrate, CandidateSource, MatchedParameter, MatchedRate, ParameterStatistic};
 pub use case::{Assignment, Case, Individual};
 pub use comparison::{Comparison, MetricReference, Relation, WhenUndefined, constant};
 pub use conflict::{Conflict, half_extent};

@@ -296,6 +296,11 @@ impl Observations {
         Ok(Self { file: file.to_string(), rows })
     }
 
+    /// Whether a row is about a scenario of this name.
+    pub fn is_about(&self, scenario: &str) -> bool {
+        self.rows.iter().any(|row| row.scenario == scenario)
+    }
+
     /// How many numbers weights are to match: the shares and, with `spread`, those of pairs that are known.
     pub fn targets(&self, spread: bool) -> usize {
         let pairs = self.rows.iter().filter(|row| spread && row.has_pairs());

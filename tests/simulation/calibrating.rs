@@ -425,6 +425,7 @@ fn the_people_that_ship_are_weighed_as_they_were() {
     let rows: Vec<&str> = rows.lines().filter(|line| !line.starts_with("crossing_zebra")).collect();
     let files = Memory::default()
         .with("people.scn", format!("{}\n{block}", read("encounter.scn")))
+        .with("encounter_street.scn", read("encounter_street.scn"))
         .with("candidates.json", read("candidates.json"))
         .with("plain.csv", rows.join("\n"));
     let loaded = lang::load(Path::new("people.scn"), &standard(), &files);
@@ -458,6 +459,74 @@ fn only_runs_that_count_are_weighed_in_whatever_order() {
 }
 
 /// Any weights would match what nobody is left to do: no result, and never a good one.
+#[test]
+fn two_files_about_scenarios_of_their_own_are_one_file_about_both() {
+    let rows = ROWS.concat();
+    let again = rows
+        .replace("crossing", "again")
+        .replace("0.6719, 128, 32, 8, 2, 0, 4, 18", "0.5, 64, 16, 8, 0, 0, 0, 8");
+    let of = |block: &str| {
+        let text = text(block)
+            .replace("in crossing", "in crossing, again")
+            .replace("calibrate people {", "scenario again : crossing { }\ncalibrate people {");
+        let files = Memory::default()
+            .with("people.scn", text)
+            .with("people.csv", format!("{HEADER}{rows}"))
+            .with("again.csv", format!("{HEADER}{again}"))
+            .with("both.csv", format!("{HEADER}{rows}{again}"));
+        let suite = lang::load(Path::new("people.scn"), &standard(), &files);
+        let suite = suite.unwrap_or_else(|_| panic!("it is right")).suite;
+        run(&suite, &Threads::new(2), None, &Stop::default(), &Silent).unwrap()
+    };
+    let block = |matched: &str| format!("candidates 40 by latin_hypercube\n  {matched}\n  folds 2");
+    let one = of(&block("match rate(gap_accepted) to \"both.csv\" undefined fails"));
+    let first = "match rate(gap_accepted) to \"people.csv\" undefined fails";
+    let two = of(&block(&format!("{first}\n  match rate(gap_accepted) to \"again.csv\" undefined fails")));
+    assert_eq!(
+        (&one.weights, &one.conditions, one.folds_rms),
+        (&two.weights, &two.conditions, two.folds_rms)
+    );
+    assert_eq!(two.observations, "people.csv and again.csv");
+    // What counts in the one is not what counts in the other.
+    let other = of(&block(&format!(
+        "{first}\n  match rate(pet <= 2 s) to \"again.csv\" where no collision undefined fails"
+    )));
+    let [.., of_other] = &other.conditions[..] else { panic!("{:?}", other.conditions) };
+    assert_eq!(other.conditions[..2].iter().map(|one| one.counted).collect::<Vec<_>>(), [None, None]);
+    assert!(of_other.counted.is_some(), "{of_other:?}");
+    for (one, other) in one.conditions[..2].iter().zip(&other.conditions) {
+        assert_eq!((one.share.equal, one.undefined > 0.0), (other.share.equal, other.undefined > 0.0));
+    }
+    assert_ne!(one.conditions[2].share.equal, other.conditions[2].share.equal);
+}
+
+#[test]
+fn two_rates_of_one_scenario_are_of_the_same_runs() {
+    let usual = &*USUAL;
+    let second = "match rate(collision) to \"hit.csv\" undefined fails";
+    let text = text(&format!("{MATCHED}\n  {second}"));
+    let rows =
+        "crossing, 6 s, 0.0078, 128, 32, 31, 1, 0, 0, 0\ncrossing, 4 s, 0.0156, 128, 32, 30, 2, 0, 0, 0\n";
+    let files = Memory::default()
+        .with("people.scn", text)
+        .with("people.csv", format!("{HEADER}{}", ROWS.concat()))
+        .with("hit.csv", format!("{HEADER}{rows}"));
+    let suite = lang::load(Path::new("people.scn"), &standard(), &files);
+    let suite = suite.unwrap_or_else(|_| panic!("it is right")).suite;
+    let both = run(&suite, &Threads::new(2), None, &Stop::default(), &Silent).unwrap();
+    let subjects: Vec<_> = both.conditions.iter().map(|one| one.in_words()).collect();
+    let expected = [
+        ("4s", "rate(gap_accepted)"),
+        ("6s", "rate(gap_accepted)"),
+        ("4s", "rate(collision)"),
+        ("6s", "rate(collision)"),
+    ];
+    assert_eq!(subjects, expected.map(|(gap, rate)| format!("crossing gap={gap}: {rate}")));
+    for (one, other) in usual.conditions.iter().zip(&both.conditions) {
+        assert_eq!((one.share.equal, one.undefined > 0.0), (other.share.equal, other.undefined > 0.0));
+    }
+}
+
 #[test]
 fn a_condition_in_which_nobody_is_left_is_an_error() {
     let said = |block: &str| {

@@ -18,8 +18,8 @@ use crate::syntax;
 use crate::syntax::ast;
 use crate::value::{self, NameScope};
 use scenario::{
-    Calibrate, CandidateSource, DeclaredPedestrian, Dimension, Individuals, Observations, ObservedRow,
-    PopulationShare, Variation,
+    Calibrate, CandidateSource, DeclaredPedestrian, Dimension, Individuals, MatchedRate, Observations,
+    ObservedRow, PopulationShare, Variation,
 };
 
 const MOST_CANDIDATES: u32 = 100_000;
@@ -45,59 +45,20 @@ pub fn calibrate(
             None
         }
     };
-    let Some(matched) = block.matched() else {
+    if block.matched().next().is_none() {
         missing::<ast::Matched>(&layers, name.span(), &what, report);
         return None;
-    };
+    }
     let Some(candidates) = block.candidates() else {
         missing::<ast::Candidates>(&layers, name.span(), &what, report);
         return None;
     };
     let scenarios = scenarios?;
-    let condition = criterion::condition_of_rate(
-        matched.rate(),
-        matched.undefined(),
-        &scenarios[0].1.cast(),
-        scope,
-        report,
-    );
-    if let (Some(inside), Some(behind)) = (matched.rate().undefined(), matched.not_counted()) {
-        report.push(
-            Diagnostic::new(
-                Code::RepeatedModifier,
-                behind.span(),
-                "it is said twice what an undefined run is",
-            )
-            .label("said here again")
-            .context(inside.span(), "first here")
-            .hint(
-                "say `undefined not counted` alone where shares are of the runs in which the metric exists",
-            ),
-        );
-    }
-    let counted_where = match matched.counted_where() {
-        Some(said) => {
-            let said = (said.condition(), None, "the bound behind `where`");
-            comparison::constant_comparison(said, &scenarios[0].1.cast(), scope, report).map(Some)
-        }
-        None => Some(None),
+    let within = match block.method().and_then(|method| method.within()) {
+        Some(within) => tolerance(within, scope, report),
+        None => Some(1.0),
     };
-    let observations = observations(matched, &scenarios, places, report);
-    if let Some(spread) = block.spread()
-        && rate_text(spread.rate()) != rate_text(matched.rate())
-    {
-        let text = rate_text(matched.rate());
-        report.push(
-            Diagnostic::new(
-                Code::BadObservations,
-                spread.rate().span(),
-                format!("the spread is not that of `{text}`"),
-            )
-            .label("another rate")
-            .context(matched.rate().span(), "observed is this")
-            .hint(format!("write `match spread between individuals of {text}`")),
-        );
-    }
+    let rates = matched_rates(block, &scenarios, within.unwrap_or(1.0), scope, places, report);
     let folds = match block.folds() {
         Some(folds) => literal::count(folds.count(), 2, 100, "the number of folds", report),
         None => Some(0),
@@ -107,14 +68,6 @@ pub fn calibrate(
             literal::count(repeat.count(), 2, 10_000, "the number of runs of a candidate", report)
         }
         None => Some(RUNS),
-    };
-    let within = match block.method().and_then(|method| method.within()) {
-        Some(within) => tolerance(within, scope, report),
-        None => Some(1.0),
-    };
-    let spread_within = match block.spread().and_then(|spread| spread.within()) {
-        Some(within) => tolerance(within, scope, report).map(Some),
-        None => Some(None),
     };
     let candidates = candidates_of(candidates, &scenarios, places, report);
     let compared = block.compare().map(|said| compared(said, places)).unwrap_or_default();
@@ -126,37 +79,9 @@ pub fn calibrate(
     } else {
         None
     };
-    if let Some(count) = [Some(matched.rate()), block.spread().map(ast::MatchedSpread::rate)]
-        .into_iter()
-        .flatten()
-        .find(|rate| ast::Aggregate::Rate(*rate).word() != "rate")
-    {
-        report.push(
-            Diagnostic::new(
-                Code::BadObservations,
-                count.span(),
-                "a share of trials is observed, not a count",
-            )
-            .label("counts runs")
-            .hint(format!("write `{}`", rate_text(count).replacen("count", "rate", 1))),
-        );
-        return None;
-    }
-    let (condition, observations, candidates) = (condition?, observations?, candidates?);
-    if let Some(spread) = block.spread()
-        && !observations.rows.iter().any(ObservedRow::has_pairs)
-    {
-        report.push(
-            Diagnostic::new(
-                Code::BadObservations,
-                spread.span(),
-                format!("{} says no spread between individuals", observations.file),
-            )
-            .label("of which nothing is known")
-            .hint("add the columns `pair_share` and `pair_error`, or leave `match spread` out"),
-        );
-    }
-    let targets = observations.targets(block.spread().is_some()) + block.parameters().count();
+    let (rates, candidates) = (rates?, candidates?);
+    let conditions: usize = rates.iter().map(|rate| rate.observations.rows.len()).sum();
+    let targets = rates.iter().map(MatchedRate::targets).sum::<usize>() + block.parameters().count();
     if let CandidateSource::LatinHypercube(count) = candidates
         && (count as usize) < targets
     {
@@ -170,8 +95,8 @@ pub fn calibrate(
         );
         return None;
     }
-    if let (Some(folds), conditions) = (folds, observations.rows.len() as u32)
-        && folds > conditions
+    if let Some(folds) = folds
+        && folds as usize > conditions
     {
         report.push(
             Diagnostic::new(
@@ -189,25 +114,173 @@ pub fn calibrate(
         doc: literal::doc(block.doc()),
         candidates,
         scenarios: scenarios.iter().map(|(_, subject)| subject.scenario.name.clone()).collect(),
-        condition,
-        only_defined: matched.not_counted().is_some(),
-        counted_where: counted_where?,
-        text: match matched.counted_where() {
-            Some(said) => {
-                let condition = syntax::condition_text(said.condition(), None);
-                format!("{} where {condition}", rate_text(matched.rate()))
-            }
-            None => rate_text(matched.rate()),
-        },
-        observations,
-        spread: block.spread().is_some(),
+        rates,
         within: within?,
-        spread_within: spread_within?,
         parameters: parameters?,
         folds: folds?,
         runs: runs?,
         compared,
         origin: places.origin(name.span()),
+    })
+}
+
+/// Every rate of the block with what people did, each about scenarios of its own.
+fn matched_rates(
+    block: ast::CalibrateBlock,
+    scenarios: &[Named],
+    within: f64,
+    scope: &NameScope,
+    places: &TextPlaces,
+    report: &mut Vec<Diagnostic>,
+) -> Option<Vec<MatchedRate>> {
+    reject_other_spreads(block, report)?;
+    let mut rates: Vec<MatchedRate> = Vec::new();
+    let mut is_whole = true;
+    for matched in block.matched() {
+        match matched_rate(matched, block, scenarios, within, scope, places, report) {
+            Some(rate) => rates.push(rate),
+            None => is_whole = false,
+        }
+    }
+    if !is_whole {
+        return None;
+    }
+    for (span, subject) in scenarios {
+        let name = &subject.scenario.name;
+        let about: Vec<&MatchedRate> = rates.iter().filter(|rate| rate.is_about(name)).collect();
+        if about.is_empty() {
+            let files: Vec<&str> = rates.iter().map(|rate| rate.observations.file.as_str()).collect();
+            let message = format!("{}: no row is about `{name}`", files.join(", "));
+            report.push(
+                Diagnostic::new(Code::BadObservations, *span, message)
+                    .label("not observed")
+                    .hint(format!("add its conditions, or leave `{name}` out of the block")),
+            );
+            return None;
+        }
+        let is_again = |index: usize| about[..index].iter().any(|one| one.text == about[index].text);
+        if (0..about.len()).any(is_again) {
+            let message = format!("two files say how often people did the same in `{name}`");
+            report.push(
+                Diagnostic::new(Code::BadObservations, *span, message)
+                    .label("observed twice")
+                    .hint("put what is known into the rows of one file"),
+            );
+            return None;
+        }
+    }
+    Some(rates)
+}
+
+/// Reports a spread of a rate that is not matched, or one that is said twice.
+fn reject_other_spreads(block: ast::CalibrateBlock, report: &mut Vec<Diagnostic>) -> Option<()> {
+    let mut seen: Vec<(String, Span)> = Vec::new();
+    for spread in block.spreads() {
+        let text = rate_text(spread.rate());
+        if let Some((_, first)) = seen.iter().find(|(known, _)| *known == text) {
+            report.push(crate::settings::repeated("match spread", spread.span(), *first));
+            return None;
+        }
+        if block.matched().all(|matched| rate_text(matched.rate()) != text) {
+            let matched = block.matched().next()?;
+            report.push(
+                Diagnostic::new(
+                    Code::BadObservations,
+                    spread.rate().span(),
+                    format!("the spread is not that of `{}`", rate_text(matched.rate())),
+                )
+                .label("another rate")
+                .context(matched.rate().span(), "observed is this")
+                .hint(format!("write `match spread between individuals of {}`", rate_text(matched.rate()))),
+            );
+            return None;
+        }
+        seen.push((text, spread.span()));
+    }
+    Some(())
+}
+
+/// A rate with what people did; `within` is the tolerance of shares.
+fn matched_rate(
+    node: ast::Matched,
+    block: ast::CalibrateBlock,
+    scenarios: &[Named],
+    within: f64,
+    scope: &NameScope,
+    places: &TextPlaces,
+    report: &mut Vec<Diagnostic>,
+) -> Option<MatchedRate> {
+    let rate = node.rate();
+    if ast::Aggregate::Rate(rate).word() != "rate" {
+        report.push(
+            Diagnostic::new(Code::BadObservations, rate.span(), "a share of trials is observed, not a count")
+                .label("counts runs")
+                .hint(format!("write `{}`", rate_text(rate).replacen("count", "rate", 1))),
+        );
+        return None;
+    }
+    if let (Some(inside), Some(behind)) = (rate.undefined(), node.not_counted()) {
+        report.push(
+            Diagnostic::new(
+                Code::RepeatedModifier,
+                behind.span(),
+                "it is said twice what an undefined run is",
+            )
+            .label("said here again")
+            .context(inside.span(), "first here")
+            .hint(
+                "say `undefined not counted` alone where shares are of the runs in which the metric exists",
+            ),
+        );
+    }
+    let observations = observations(node, scenarios, places, report)?;
+    let text = rate_text(rate);
+    let spread = block.spreads().find(|spread| rate_text(spread.rate()) == text);
+    let spread_within = match spread {
+        Some(spread) => Some(spread.within().map_or(Some(within), |said| tolerance(said, scope, report))?),
+        None => None,
+    };
+    if let Some(spread) = spread
+        && !observations.rows.iter().any(ObservedRow::has_pairs)
+    {
+        report.push(
+            Diagnostic::new(
+                Code::BadObservations,
+                spread.span(),
+                format!("{} says no spread between individuals", observations.file),
+            )
+            .label("of which nothing is known")
+            .hint("add the columns `pair_share` and `pair_error`, or leave `match spread` out"),
+        );
+        return None;
+    }
+    // Each scenario has its own vehicles and pedestrians that a condition may name.
+    let mut found = None;
+    for (_, subject) in scenarios {
+        if observations.is_about(&subject.scenario.name) {
+            let cast = subject.cast();
+            let condition = criterion::condition_of_rate(rate, node.undefined(), &cast, scope, report)?;
+            let counted_where = match node.counted_where() {
+                Some(said) => {
+                    let said = (said.condition(), None, "the bound behind `where`");
+                    Some(comparison::constant_comparison(said, &cast, scope, report)?)
+                }
+                None => None,
+            };
+            found.get_or_insert((condition, counted_where));
+        }
+    }
+    let (condition, counted_where) = found?;
+    Some(MatchedRate {
+        condition,
+        only_defined: node.not_counted().is_some(),
+        counted_where,
+        text: match node.counted_where() {
+            Some(said) => format!("{text} where {}", syntax::condition_text(said.condition(), None)),
+            None => text,
+        },
+        observations,
+        spread_within,
     })
 }
 
@@ -381,15 +454,6 @@ fn observations(
                     row.scenario,
                     shown.join("; ")
                 )),
-            );
-            return None;
-        }
-    }
-    for name in conditions.keys() {
-        if !read.rows.iter().any(|row| row.scenario == *name) {
-            report.push(
-                wrong(format!("no row is about `{name}`"))
-                    .hint(format!("add its conditions, or leave `{name}` out of the block")),
             );
             return None;
         }

@@ -75,7 +75,26 @@ impl Picture {
             };
             Some(Label { who, name: name.to_string(), point, outside, arrow, beyond: away.norm() })
         };
-        all.filter_map(label).collect()
+        let labels: Vec<Label> = all.filter_map(label).collect();
+        // Beyond an edge the nearest vehicle of a stream stands for those behind it.
+        let stream = |label: &Label| world.streams.iter().position(|one| one.vehicles.contains(&label.who));
+        let is_hidden: Vec<bool> = labels
+            .iter()
+            .map(|label| {
+                let own = stream(label).filter(|_| label.outside);
+                own.is_some()
+                    && labels.iter().any(|other| {
+                        let nearer = other.outside && other.beyond < label.beyond;
+                        nearer && other.arrow == label.arrow && stream(other) == own
+                    })
+            })
+            .collect();
+        labels
+            .into_iter()
+            .zip(is_hidden)
+            .filter(|(_, is_hidden)| !is_hidden)
+            .map(|(label, _)| label)
+            .collect()
     }
 }
 

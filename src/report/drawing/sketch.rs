@@ -10,7 +10,7 @@ use super::plane::Frame;
 use super::road::is_on;
 use super::view::view;
 use super::{svg_sketch, text_sketch};
-use scenario::{Case, Road, World};
+use scenario::{Case, Road, TrafficStream, World};
 use sim::Trace;
 use sim::geometry::Footprint;
 
@@ -75,12 +75,7 @@ impl Sketch {
         let (cars, all) = (world.vehicles.len(), world.vehicles.len() + world.pedestrians.len());
         let frame = view(world, places(0..cars), places(cars..all));
         let pictures = moments.into_iter().map(|moment| {
-            let speeds = moment
-                .users
-                .iter()
-                .zip(names(world))
-                .filter_map(|(seen, name)| Some(format!("{name} {:.1} m/s", seen.as_ref()?.speed)));
-            let caption = format!("after {:.2} s: {}", moment.time, speeds.collect::<Vec<_>>().join(", "));
+            let caption = format!("after {:.2} s: {}", moment.time, speeds(world, &moment).join(", "));
             let body =
                 |seen: super::moment::Seen| Body { outline: seen.outline, trail: seen.trail, ghost: false };
             let bodies = moment.users.into_iter().map(|seen| seen.map(body)).collect();
@@ -134,6 +129,25 @@ pub(crate) fn moment_text(case: &Case, trace: &Trace, time: f64, columns: usize,
     let sketch =
         Sketch::of_moments(case, trace, &[time.min(end_of(trace))]).expect("it is not after the end");
     text_sketch::moment(&sketch, &case.world, columns, rows)
+}
+
+/// The speed of each, and of a stream whose vehicles are all as fast that of the stream.
+fn speeds(world: &World, moment: &Moment) -> Vec<String> {
+    let speed = |who: usize| Some(format!("{:.1} m/s", moment.users[who].as_ref()?.speed));
+    let steady = |stream: &&TrafficStream| {
+        let mut each = stream.vehicles.iter().filter_map(|car| speed(*car));
+        let first = each.next();
+        each.all(|one| Some(one) == first)
+    };
+    let steady: Vec<&TrafficStream> = world.streams.iter().filter(steady).collect();
+    let of = |(who, name): (usize, &str)| {
+        let Some(stream) = steady.iter().find(|stream| stream.vehicles.contains(&who)) else {
+            return Some(format!("{name} {}", speed(who)?));
+        };
+        let told = stream.vehicles.iter().find(|car| speed(**car).is_some());
+        if told == Some(&who) { Some(format!("{} {}", stream.name, speed(who)?)) } else { None }
+    };
+    names(world).enumerate().filter_map(of).collect()
 }
 
 fn arrows(world: &World, frame: &Frame, (from, to): (f64, f64)) -> Vec<(Vector2<f64>, Vector2<f64>)> {

@@ -5,11 +5,13 @@ use std::sync::Arc;
 use nalgebra::Vector2;
 
 use super::outlook::{Outlook, SightKind};
+use super::plane::Frame;
 use super::{AfterTheEnd, Sketch};
 use models::standard;
 use scenario::geometry::{Piece, Pose, ReferenceLine};
 use scenario::{
-    Appearance, Bend, Case, ModelSetup, Position, Settings, Value, VehicleReference, VehicleStart, World,
+    Appearance, Bend, Case, ModelSetup, Position, Settings, TrafficStream, Value, VehicleReference,
+    VehicleSetup, VehicleStart, World,
 };
 use sim::{Mode, Sample, Solid, Trace};
 
@@ -208,4 +210,45 @@ fn whoever_is_outside_the_picture_is_announced_and_not_drawn() {
     let beyond = -90.0 - sketch.frame.low.x;
     assert!(text.contains(&format!("A av (◀ {:.0} m beyond the edge)", -beyond)), "{text}");
     assert!(text.contains("av: starts 90.0 m before the crossing"), "{text}");
+}
+
+#[test]
+fn a_stream_is_told_once_where_its_vehicles_are_alike() {
+    let mut world = world();
+    world.pedestrians.clear();
+    world.vehicles = (0..4)
+        .map(|index| VehicleSetup { name: format!("cars_{}", index + 1), ..world.vehicles[0].clone() })
+        .collect();
+    world.streams = vec![TrafficStream {
+        name: "cars".into(),
+        vehicles: vec![0, 1, 2, 3],
+        arrivals: vec![0.0, 2.0, 9.0, 11.0],
+    }];
+    let case = case(world);
+    let trace = |last: f64| {
+        let sample = |(who, (x, speed)): (usize, (f64, f64))| Sample {
+            time: 0.0,
+            who,
+            position: Vector2::new(x, 0.0),
+            heading: Vector2::new(1.0, 0.0),
+            travelled: None,
+            velocity: Vector2::new(speed, 0.0),
+            acceleration: 0.0,
+            mode: Mode::NONE,
+        };
+        let samples = [(0.0, 10.0), (-20.0, 10.0), (-90.0, 10.0), (-110.0, last)];
+        let mut trace = Trace::default();
+        trace.samples.extend(samples.into_iter().enumerate().map(sample));
+        trace
+    };
+    let sketch = |last: f64| Sketch::of_moments(&case, &trace(last), &[0.0]).unwrap();
+    assert_eq!(sketch(10.0).pictures[0].caption, "after 0.00 s: cars 10.0 m/s");
+    let each = "after 0.00 s: cars_1 10.0 m/s, cars_2 10.0 m/s, cars_3 10.0 m/s, cars_4 2.0 m/s";
+    assert_eq!(sketch(2.0).pictures[0].caption, each);
+    // Beyond an edge the nearest is named.
+    let sketch = sketch(10.0);
+    let labels = sketch.pictures[0]
+        .labels(&sketch.world, &Frame { low: Vector2::new(-30.0, -5.0), high: Vector2::new(30.0, 5.0) });
+    let named: Vec<_> = labels.iter().map(|label| (label.name.as_str(), label.outside)).collect();
+    assert_eq!(named, [("cars_1", false), ("cars_2", false), ("cars_3", true)]);
 }

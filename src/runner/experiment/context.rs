@@ -9,7 +9,7 @@ use crate::run::{Build, Executor, FirstRuns, MeasuredMetrics, Stop, VerifyRuns};
 use files::{Disk, Files};
 use results::Requests;
 use scenario::registry::Registry;
-use scenario::{MetricReference, Scenario, Suite};
+use scenario::{MatchedRate, MetricReference, Scenario, Suite};
 
 /// What every experiment of a suite shares.
 pub struct Context<'a> {
@@ -113,7 +113,8 @@ pub fn asked_by(suite: &Suite) -> Requests {
     for estimate in &suite.estimates {
         [&estimate.event.metric].into_iter().chain(&estimate.score).for_each(|one| requests.add(one));
     }
-    suite.calibrates.iter().for_each(|calibrate| requests.add(&calibrate.condition.metric));
+    let rates = suite.calibrates.iter().flat_map(|calibrate| &calibrate.rates);
+    rates.flat_map(MatchedRate::metrics).for_each(|metric| requests.add(metric));
     for statement in &suite.statements {
         measured(statement).iter().for_each(|one| requests.add(one.aggregate.metric()));
     }

@@ -70,7 +70,7 @@ fn a_few_people_cross_the_real_street() {
 
 #[test]
 fn whoever_walks_into_the_first_gap_meets_no_later_one() {
-    // Who wants to be hit goes before the first car.
+    // The interceptor is hit by the next car that comes.
     let found = with(STREET_FILE, |study| study.run(&model("interceptor"), "0 s", |_, _| ())).unwrap();
     let chosen = found.chosen.unwrap();
     for one in &chosen.conditions {
@@ -80,11 +80,12 @@ fn whoever_walks_into_the_first_gap_meets_no_later_one() {
     }
 }
 
-/// What comes of walking after so many seconds at so many m/s, whatever comes, where the gap is 3.5 s: the fronts of the near cars pass at 1.742 s
-/// and every 2 s from then on, that of the last at 11.242 s.
+/// What comes of walking after so many seconds at so many m/s, whatever comes, where the gap is 3.5 s and the first car is 2 s away: the fronts of
+/// the near cars pass at 1.742 s and every 2 s from then on, that of the last at 11.242 s.
 fn walks(delay: f64, speed: f64) -> Walk {
-    let street = STREET_FILE.replace("    looks for look\n", "");
-    assert_ne!(street, STREET_FILE);
+    let usual = STREET_FILE.replace("    looks for look\n", "");
+    let street = usual.replace("first 0.3 s + look", "first 2 s");
+    assert!(usual != STREET_FILE && street != usual);
     let walker = Walker {
         block: format!("model scripted {{ delay: {delay} s, speed: {speed} m/s }}"),
         file: None,

@@ -128,8 +128,8 @@ views! {
         doc: (Doc),
         candidates: (Candidates),
         scenarios: (CalibrateIn),
-        matched: (Matched),
-        spread: (MatchedSpread),
+        matched: [Matched],
+        spreads: [MatchedSpread],
         parameters: [MatchedParameter],
         method: (CalibrateMethod),
         folds: (Folds),
@@ -468,14 +468,16 @@ pub static CALIBRATE_BLOCK: BlockEntry = BlockEntry {
             "match spread between individuals of rate(gap_accepted)`, `match spread between individuals of rate(gap_accepted) within 80 % of error",
             "That people differ as those did who were observed: the share of pairs of a person's trials in which both hold; within a part of its error of its own, or else the method's.",
         )
-        .key("match_spread", YamlShape::Words),
+        .key("match_spread", YamlShape::Words)
+        .repeats(),
         statement(
             "match",
             Rule::matched,
             "match rate(gap_accepted) to \"human_crossing.csv\" undefined fails`, `match rate(gap_accepted) to \"human_crossing.csv\" undefined not counted`, `match rate(gap_accepted(cars_5, walker)) to \"pivot.csv\" where no gap_accepted(cars_4, walker)",
-            "What people did, a condition a row. Shares are of all runs, or only of those that count, as those of people are of the trials in which they were still there: `where` something holds, or with `undefined not counted` where the metric exists.",
+            "What people did, a condition a row; once for each experiment, each about its own scenarios. Shares are of all runs, or only of those that count, as those of people are of the trials in which they were still there: `where` something holds, or with `undefined not counted` where the metric exists.",
         )
         .key("match", YamlShape::Words)
+        .repeats()
         .needed("observations", "match rate(gap_accepted) to \"people.csv\""),
         statement(
             "match mean",

@@ -121,7 +121,7 @@ impl WeighedCandidates {
             );
             return Err(failed(reason, &format!("leave `{name}` out of the model's settings")));
         }
-        let targets = block.observations.targets(block.spread) + block.parameters.len();
+        let targets = block.targets();
         if found.rows.len() < targets {
             let reason = format!("{} candidates are fewer than the {targets} targets", found.rows.len());
             return Err(failed(reason, "take some hundreds for each target"));

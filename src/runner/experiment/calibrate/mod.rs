@@ -21,7 +21,7 @@ use observed::Observed;
 use parameters::BoundedParameters;
 use record::{HeldRecord, HeldRuns};
 use results::{CalibrateResult, CalibratedCondition, CalibratedShare, CountedRuns, Requests};
-use scenario::{Calibrate, ObservedRow};
+use scenario::{Calibrate, MatchedRate, ObservedRow};
 use trial::{CandidateTrial, ObservedCondition, conditions, failed};
 use weigh::{Features, RESAMPLED, Weighing, percent, rms};
 
@@ -47,10 +47,11 @@ pub fn run_calibrate(
     let candidates = WeighedCandidates::of(block, context.scenario(&block.scenarios[0])?, seed)?;
     let parameters = BoundedParameters::of(block, &candidates)?;
     // What decides what candidates do; how they are weighed can be said otherwise, and the same runs go on being known.
-    let asked =
-        (&block.condition, block.only_defined, &block.counted_where, block.runs, &block.compared, seed);
+    let rate = |one: &MatchedRate| (one.condition.clone(), one.only_defined, one.counted_where.clone());
+    let rates: Vec<_> = block.rates.iter().map(rate).collect();
+    let asked = (rates, block.runs, &block.compared, seed);
     let people = (&candidates.names, &candidates.rows, &candidates.variant);
-    let places: Vec<_> = conditions.iter().map(|one| (&one.scenario, one.label())).collect();
+    let places: Vec<_> = conditions.iter().map(|one| (one.rate, &one.scenario, one.label())).collect();
     let inputs = (asked, people, places);
     let mut record = HeldRecord::open(context.journals.as_deref(), &block.name, &inputs, conditions.len())
         .map_err(|error| failed(format!("its journal: {error}"), None))?;
@@ -58,11 +59,7 @@ pub fn run_calibrate(
 
     let called = format!("candidates of {}", block.name);
     let mut requests = Requests::default();
-    requests.add(&block.condition.metric);
-    if let Some(counts) = &block.counted_where {
-        requests.add(&counts.metric);
-    }
-    let where_index = block.counted_where.as_ref().and_then(|counts| requests.index(&counts.metric));
+    block.rates.iter().flat_map(MatchedRate::metrics).for_each(|metric| requests.add(metric));
     let trial = CandidateTrial {
         context,
         block,
@@ -71,7 +68,6 @@ pub fn run_calibrate(
         called: &called,
         runs: block.runs,
         measured: MeasuredMetrics::new(requests),
-        where_index,
         seed,
     };
     let others = ComparedPeople::of(&trial)?;
@@ -84,14 +80,15 @@ pub fn run_calibrate(
     let features = Features::predicted(&done, &trial.defined(&done), block.runs, &candidates);
     let rows: Vec<&ObservedRow> = conditions.iter().map(|one| one.row).collect();
     let observed: Vec<Observed> = rows.iter().map(|row| Observed::of(row)).collect();
+    let spread_within: Vec<Option<f64>> =
+        conditions.iter().map(|one| block.rates[one.rate].spread_within).collect();
     let weighing = Weighing {
         features: &features,
         observed: &observed,
         rows: &rows,
         parameters: &parameters,
-        spread: block.spread,
         within: block.within,
-        spread_within: block.spread_within.unwrap_or(block.within),
+        spread_within: &spread_within,
     };
     let missed = weighing.out_of_reach();
     if !missed.is_empty() {
@@ -139,6 +136,7 @@ pub fn run_calibrate(
         let share = |row: &Vec<HeldRuns>| f64::from(of(&row[index])) / f64::from(block.runs);
         done.iter().zip(&weights).map(|(row, weight)| weight * share(row)).sum()
     };
+    let several = block.rates.iter().any(|rate| rate.text != block.rates[0].text);
     let mut found = Vec::new();
     for (index, condition) in conditions.iter().enumerate() {
         type Of = fn(&Features, &[f64], usize) -> Option<f64>;
@@ -160,23 +158,28 @@ pub fn run_calibrate(
         };
         let mut share = of(Features::share, observed[index].share).ok_or_else(|| nobody("the share"))?;
         let mut spread = observed[index].spread.and_then(|target| of(Features::spread, target));
-        if block.spread && observed[index].spread.is_some() && spread.is_none() {
+        if spread_within[index].is_some() && observed[index].spread.is_some() && spread.is_none() {
             return Err(nobody("the spread between individuals"));
         }
         if let Some(left_out) = &left_out {
             share.left_out = left_out[index].0;
         }
         if let Some(spread) = &mut spread {
-            spread.matched = block.spread;
+            spread.matched = spread_within[index].is_some();
             spread.left_out = left_out.as_ref().and_then(|left_out| left_out[index].1);
         }
+        let counted = |condition: &ObservedCondition| {
+            let some = block.rates[condition.rate].counts_some();
+            rests_on(&fresh_defined, &heavy, index).filter(|_| some)
+        };
         found.push(CalibratedCondition {
             scenario: condition.scenario.name.clone(),
             values: condition.label(),
+            rate: several.then(|| block.rates[condition.rate].text.clone()),
             trials: condition.row.trials,
             persons: condition.row.persons,
             undefined: share_of_runs(&|one| one.undefined, index),
-            counted: rests_on(&fresh_defined, &heavy, index).map(|(runs, candidates)| CountedRuns {
+            counted: counted(condition).map(|(runs, candidates)| CountedRuns {
                 share: (1.0 - share_of_runs(&|one| one.not_counted, index)).clamp(0.0, 1.0),
                 runs,
                 candidates,
@@ -194,8 +197,8 @@ pub fn run_calibrate(
     let mut result = CalibrateResult {
         name: block.name.clone(),
         doc: block.doc.clone(),
-        matched: block.text.clone(),
-        observations: block.observations.file.clone(),
+        matched: joined(block, |rate| &rate.text),
+        observations: joined(block, |rate| &rate.observations.file),
         candidates: candidates.words.clone(),
         model: candidates.model.clone(),
         variant: candidates.variant.clone(),
@@ -218,7 +221,8 @@ pub fn run_calibrate(
         weights,
     };
     result.digest = result.population().digest();
-    result.warnings = warnings(&result, block.only_defined);
+    let only_defined: Vec<bool> = conditions.iter().map(|one| block.rates[one.rate].only_defined).collect();
+    result.warnings = warnings(&result, &only_defined);
     record.remove();
     Ok(result)
 }
@@ -250,7 +254,15 @@ fn vehicle_speeds(conditions: &[ObservedCondition]) -> Vec<f64> {
     speeds
 }
 
-fn warnings(result: &CalibrateResult, only_defined: bool) -> Vec<String> {
+/// Of every rate, joined by words.
+fn joined(block: &Calibrate, of: impl Fn(&MatchedRate) -> &String) -> String {
+    let mut each: Vec<&str> = block.rates.iter().map(|rate| of(rate).as_str()).collect();
+    each.dedup();
+    each.join(" and ")
+}
+
+/// `only_defined` says of each condition whether undefined runs of it do not count.
+fn warnings(result: &CalibrateResult, only_defined: &[bool]) -> Vec<String> {
     let mut warnings = Vec::new();
     if result.effective_size < LEAST_EFFECTIVE {
         warnings.push(format!(
@@ -265,9 +277,8 @@ fn warnings(result: &CalibrateResult, only_defined: bool) -> Vec<String> {
             |counted: &CountedRuns| counted.runs < LEAST_EFFECTIVE || counted.candidates < few_candidates;
         if let Some(counted) = one.counted.filter(few) {
             warnings.push(format!(
-                "the share of {} {} rests on {:.0} runs of {:.0} candidates of equal weight that count for `{}`, {} of all; take more runs or candidates",
-                one.scenario,
-                one.values,
+                "the share of {} rests on {:.0} runs of {:.0} candidates of equal weight that count for `{}`, {} of all; take more runs or candidates",
+                one.in_words(),
                 counted.runs,
                 counted.candidates,
                 result.matched,
@@ -284,13 +295,14 @@ fn warnings(result: &CalibrateResult, only_defined: bool) -> Vec<String> {
     // Those that do not count are told beside the shares.
     let of_counted =
         |one: &CalibratedCondition| one.undefined / one.counted.map_or(1.0, |counted| counted.share);
-    let many = |one: &&CalibratedCondition| !only_defined && of_counted(one) > MOST_UNDEFINED;
-    for one in result.conditions.iter().filter(many) {
+    let many = |(one, only_defined): &(&CalibratedCondition, &bool)| {
+        !**only_defined && of_counted(one) > MOST_UNDEFINED
+    };
+    for (one, _) in result.conditions.iter().zip(only_defined).filter(many) {
         warnings.push(format!(
-            "in {} of the runs of {} {} `{}` is undefined or was cut off, and counts as the block says",
+            "in {} of the runs of {} `{}` is undefined or was cut off, and counts as the block says",
             percent(of_counted(one)),
-            one.scenario,
-            one.values,
+            one.in_words(),
             result.matched
         ));
     }
@@ -300,9 +312,8 @@ fn warnings(result: &CalibrateResult, only_defined: bool) -> Vec<String> {
             let apart = (share.fresh - share.observed) / share.error;
             if apart.abs() > 2.0 {
                 warnings.push(format!(
-                    "the {what} of {} {} is {} under fresh noise where people have {} ± {}{}",
-                    one.scenario,
-                    one.values,
+                    "the {what} of {} is {} under fresh noise where people have {} ± {}{}",
+                    one.in_words(),
                     percent(share.fresh),
                     percent(share.observed),
                     percent(share.error),

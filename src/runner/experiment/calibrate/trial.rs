@@ -11,7 +11,9 @@ use crate::run::MeasuredMetrics;
 use numbers::random::derive_seed;
 use results::Outcome;
 use results::judge::Seen;
-use scenario::{Assignment, Calibrate, Case, Individual, ObservedRow, Scenario, WhenUndefined};
+use scenario::{
+    Assignment, Calibrate, Case, Comparison, Individual, MatchedRate, ObservedRow, Scenario, WhenUndefined,
+};
 
 /// Candidates of a round, after which they are written into the journal.
 const AT_ONCE: usize = 20;
@@ -23,6 +25,10 @@ pub struct ObservedCondition<'a> {
     who: String,
     variation: Vec<Assignment>,
     pub row: &'a ObservedRow,
+    /// The place among the rates of the block.
+    pub rate: usize,
+    /// Which runs say it: several rates may be observed in the same ones.
+    place: usize,
 }
 
 impl ObservedCondition<'_> {
@@ -37,7 +43,7 @@ pub fn failed(reason: String, hint: Option<&str>) -> ExperimentError {
     ExperimentError::Calibration { reason, hint: hint.map(str::to_string) }
 }
 
-/// The conditions that people were observed in, in the order of the scenarios and of what they vary.
+/// The conditions that people were observed in: of every rate in the order of the scenarios and of what they vary.
 pub fn conditions<'a>(
     context: &Context,
     block: &'a Calibrate,
@@ -53,24 +59,29 @@ pub fn conditions<'a>(
             }
         }
         for variation in plan::combinations(context.suite.seed, &scenario, plan::Variables::new())? {
-            let of = |row: &&ObservedRow| {
+            let of = |row: &ObservedRow| {
                 row.scenario == *name && variation.iter().all(|one| row.is_at(&one.name, &one.label))
             };
-            if let Some(row) = block.observations.rows.iter().find(of) {
+            let rates = block.rates.iter().enumerate();
+            let rows = rates.flat_map(|(rate, one)| one.observations.rows.iter().map(move |row| (rate, row)));
+            let place = found.last().map_or(0, |one: &ObservedCondition| one.place + 1);
+            for (rate, row) in rows.filter(|(_, row)| of(row)) {
                 found.push(ObservedCondition {
                     scenario: scenario.clone(),
                     who: who.clone(),
-                    variation,
+                    variation: variation.clone(),
                     row,
+                    rate,
+                    place,
                 });
             }
         }
     }
-    if found.len() != block.observations.rows.len() {
-        let reason =
-            format!("{} of {} rows are about a condition", found.len(), block.observations.rows.len());
+    if found.len() != block.conditions() {
+        let reason = format!("{} of {} rows are about a condition", found.len(), block.conditions());
         return Err(failed(reason, Some("every row names a scenario and values of what it varies")));
     }
+    found.sort_by_key(|one| one.rate);
     Ok(found)
 }
 
@@ -87,8 +98,6 @@ pub struct CandidateTrial<'a> {
     pub runs: u32,
     /// What is matched and, if that is said, by what runs count: nothing else is asked of these runs.
     pub measured: Arc<MeasuredMetrics>,
-    /// The place of what runs count by in every outcome.
-    pub where_index: Option<usize>,
     pub seed: u64,
 }
 
@@ -104,20 +113,22 @@ impl CandidateTrial<'_> {
         let unknown: Vec<usize> =
             who.iter().copied().filter(|one| record.known(pass, *one).is_none()).collect();
         let known = who.len() - unknown.len();
+        let places = self.places();
         for (round, some) in unknown.chunks(AT_ONCE).enumerate() {
             progress(known + round * AT_ONCE);
             let mut cases = Vec::new();
             for candidate in some {
-                for condition in self.conditions {
+                for condition in &places {
                     cases.extend(self.cases(pass, *candidate, condition)?);
                 }
             }
             // The first run of the block is made twice.
             let number = usize::from(pass > 0 || round > 0 || known > 0);
             let outcomes = self.context.run_reading(&self.measured, number, &cases)?;
-            let of_candidate = self.conditions.len() * self.runs as usize;
-            for (candidate, outcomes) in some.iter().zip(outcomes.chunks(of_candidate)) {
-                let done = outcomes.chunks(self.runs as usize).map(|some| self.done(some)).collect();
+            let runs = self.runs as usize;
+            for (candidate, outcomes) in some.iter().zip(outcomes.chunks(places.len() * runs)) {
+                let of = |one: &ObservedCondition| self.done(one, &outcomes[one.place * runs..][..runs]);
+                let done = self.conditions.iter().map(of).collect();
                 let written = record.add(pass, *candidate, done);
                 written.map_err(|error| failed(format!("its journal: {error}"), None))?;
             }
@@ -125,6 +136,14 @@ impl CandidateTrial<'_> {
         progress(who.len());
         let known = |one: &usize| record.known(pass, *one).cloned().unwrap_or_default();
         Ok(who.iter().map(known).collect())
+    }
+
+    /// A condition of every place, in their order.
+    fn places(&self) -> Vec<&ObservedCondition<'_>> {
+        let mut places: Vec<_> = self.conditions.iter().collect();
+        places.sort_by_key(|one| one.place);
+        places.dedup_by_key(|one| one.place);
+        places
     }
 
     /// The runs of a candidate in a condition.
@@ -179,12 +198,19 @@ impl CandidateTrial<'_> {
         Ok((1..=self.runs).map(case).collect())
     }
 
+    fn rate(&self, condition: &ObservedCondition) -> &MatchedRate {
+        &self.block.rates[condition.rate]
+    }
+
     /// What the runs of a candidate in a condition say.
-    fn done(&self, outcomes: &[Outcome]) -> HeldRuns {
-        let Calibrate { condition, only_defined, counted_where, .. } = self.block;
+    fn done(&self, condition: &ObservedCondition, outcomes: &[Outcome]) -> HeldRuns {
+        let MatchedRate { condition, only_defined, counted_where, .. } = self.rate(condition);
+        let index = |counts: &Comparison| self.measured.requests.index(&counts.metric);
+        let place = index(condition).expect("every rate is asked of these runs");
+        let counted_where = counted_where.as_ref().and_then(|counts| Some((counts, index(counts)?)));
         let mut done = HeldRuns::default();
         for outcome in outcomes {
-            if let Some((counts, index)) = counted_where.as_ref().zip(self.where_index) {
+            if let Some((counts, index)) = counted_where {
                 let seen = Seen::of(outcome, index);
                 let (at_least, at_most) = (seen.holds(counts, false), seen.holds(counts, true));
                 if !at_least {
@@ -193,7 +219,7 @@ impl CandidateTrial<'_> {
                     continue;
                 }
             }
-            let seen = Seen::of(outcome, 0);
+            let seen = Seen::of(outcome, place);
             match seen {
                 Seen::Value(_) => done.held += u32::from(seen.holds(condition, false)),
                 Seen::Undefined | Seen::Open { .. } if *only_defined => {
@@ -213,13 +239,13 @@ impl CandidateTrial<'_> {
     /// An error where runs say nothing and the block does not say what those are, and where nobody knows whether runs count.
     pub fn is_known(&self, done: &[Vec<HeldRuns>]) -> Result<(), ExperimentError> {
         let all = done.len() as u64 * u64::from(self.runs);
-        let is_said =
-            self.block.only_defined || self.block.condition.when_undefined != WhenUndefined::AsDeclared;
         for (index, condition) in self.conditions.iter().enumerate() {
             let sum = |of: &dyn Fn(&HeldRuns) -> u32| -> u64 {
                 done.iter().map(|row| u64::from(of(&row[index]))).sum()
             };
-            let (place, text) = (condition.row.in_words(), &self.block.text);
+            let rate = self.rate(condition);
+            let is_said = rate.only_defined || rate.condition.when_undefined != WhenUndefined::AsDeclared;
+            let (place, text) = (condition.row.in_words(), &rate.text);
             let unknown = sum(&|one| one.unknown);
             if unknown > 0 {
                 let reason = format!(
@@ -245,7 +271,7 @@ impl CandidateTrial<'_> {
     pub fn somebody_is_there(&self, done: &[Vec<HeldRuns>], what: &str) -> Result<(), ExperimentError> {
         for (index, condition) in self.conditions.iter().enumerate() {
             if done.iter().all(|row| row[index].not_counted == self.runs) {
-                let (place, text) = (condition.row.in_words(), &self.block.text);
+                let (place, text) = (condition.row.in_words(), &self.rate(condition).text);
                 let reason = format!("no {what} of {place} counts for `{text}`: nobody was left to do it");
                 let hint = "take candidates of whom some are still there, or more runs, or leave the row out";
                 return Err(failed(reason, Some(hint)));
@@ -256,7 +282,7 @@ impl CandidateTrial<'_> {
 
     /// In how many runs of each candidate it can be said whether it held, a number for each condition; no rows where all runs count.
     pub fn defined(&self, done: &[Vec<HeldRuns>]) -> Vec<Vec<u32>> {
-        if !self.block.only_defined && self.block.counted_where.is_none() {
+        if !self.block.rates.iter().any(MatchedRate::counts_some) {
             return Vec::new();
         }
         done.iter().map(|row| row.iter().map(|one| self.runs - one.not_counted).collect()).collect()

@@ -85,14 +85,14 @@ struct Target {
     wanted: WeightTarget,
 }
 
-/// The shares of these conditions and behind them, with `spread`, those of pairs that are known.
-fn targets(observed: &[Observed], conditions: &[usize], spread: bool) -> Vec<Target> {
+/// The shares of these conditions and behind them those of pairs that are known and matched.
+fn targets(observed: &[Observed], conditions: &[usize], spread_within: &[Option<f64>]) -> Vec<Target> {
     let shares = conditions.iter().map(|condition| {
         let wanted = observed[*condition].share;
         Target { condition: *condition, is_spread: false, wanted }
     });
-    let spreads = conditions.iter().filter(|_| spread).filter_map(|condition| {
-        let wanted = observed[*condition].spread?;
+    let spreads = conditions.iter().filter_map(|condition| {
+        let wanted = observed[*condition].spread.filter(|_| spread_within[*condition].is_some())?;
         Some(Target { condition: *condition, is_spread: true, wanted })
     });
     shares.chain(spreads).collect()
@@ -103,13 +103,12 @@ pub struct Weighing<'a> {
     pub features: &'a Features,
     pub observed: &'a [Observed],
     pub rows: &'a [&'a ObservedRow],
-    pub spread: bool,
     /// What is known of their distribution, whatever conditions are left out.
     pub parameters: &'a BoundedParameters,
     /// How many errors of targets are their tolerance.
     pub within: f64,
-    /// The same of spreads.
-    pub spread_within: f64,
+    /// The same of the spread of each condition; `None` where it is not matched.
+    pub spread_within: &'a [Option<f64>],
 }
 
 impl Weighing<'_> {
@@ -126,10 +125,11 @@ impl Weighing<'_> {
     /// Weights for what was observed in these conditions; `None` where none are found. Spreads that have a tolerance of their own have it
     /// as their error.
     fn matched(&self, conditions: &[usize], observed: &[Observed]) -> Option<EntropyWeights> {
-        let mut targets = targets(observed, conditions, self.spread);
-        if self.spread_within != self.within {
-            for spread in targets.iter_mut().filter(|one| one.is_spread) {
-                spread.wanted.error *= self.spread_within / self.within;
+        let mut targets = targets(observed, conditions, self.spread_within);
+        for spread in targets.iter_mut().filter(|one| one.is_spread) {
+            let within = self.spread_within[spread.condition].unwrap_or(self.within);
+            if within != self.within {
+                spread.wanted.error *= within / self.within;
             }
         }
         let (held, defined) = self.features_of(&targets);
@@ -151,7 +151,7 @@ impl Weighing<'_> {
 
     /// In words, every target that no mixture reaches, with what comes nearest.
     pub fn out_of_reach(&self) -> Vec<String> {
-        let targets = targets(self.observed, &self.all(), self.spread);
+        let targets = targets(self.observed, &self.all(), self.spread_within);
         let (held, defined) = self.features_of(&targets);
         let features = RatioFeatures { held: &held, defined: &defined };
         let wanted: Vec<WeightTarget> = targets.iter().map(|one| one.wanted).collect();
@@ -323,10 +323,9 @@ mod tests {
                 features: &features,
                 observed: &observed,
                 rows: &rows,
-                spread: true,
                 parameters: &BoundedParameters::default(),
                 within: 1.0,
-                spread_within: 1.0,
+                spread_within: &[Some(1.0); GAPS.len()],
             };
             (weighing.out_of_reach(), weighing.weights().map(|found| found.weights))
         };
