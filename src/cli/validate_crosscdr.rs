@@ -37,8 +37,8 @@ pub struct CrosscdrArguments {
     /// A pedestrian model with its defaults, as one person. May be repeated.
     #[arg(long, value_name = "MODEL")]
     model: Vec<String>,
-    /// For how long they look before they may go, which is when the front of the first car has passed. Several times are several columns.
-    #[arg(long, value_name = "TIME", default_value = "0 s")]
+    /// For how long they only look at first; they may go when the first car has passed, 2.3 s later. Several times are several columns.
+    #[arg(long, value_name = "TIME", default_value = "0 s", allow_hyphen_values = true)]
     looking: Vec<String>,
     /// How many of each population, drawn by the seed; more than there are means all. Of a model, how many runs in every condition.
     #[arg(long, value_name = "N", default_value_t = 400, value_parser = number::some())]
@@ -46,7 +46,7 @@ pub struct CrosscdrArguments {
     /// Runs of each member of a population in every condition.
     #[arg(long, value_name = "N", default_value_t = 3, value_parser = clap::value_parser!(u32).range(1..=10_000))]
     repetitions: u32,
-    /// Decides who is drawn and the noise of every run.
+    /// Decides which persons are drawn, and the noise of every run.
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Draw the shares against the gap.
@@ -135,7 +135,7 @@ fn compare(arguments: &CrosscdrArguments, registry: &Registry) -> Result<(), Cro
     Ok(())
 }
 
-/// How far the runs of somebody are, the `number`th of `all`.
+/// How far the runs of a column are, the `number`th of `all`.
 fn bar(unwanted: bool, number: usize, all: usize) -> ProgressBar {
     if !shows_progress(unwanted) {
         return ProgressBar::hidden();

@@ -14,10 +14,10 @@ const STRING: &str = "writing to a string cannot fail";
 /// What is not known.
 const UNKNOWN: &str = "–";
 
-/// Shares for each gap, pairs, who had gone before, and what else is compared; people with their errors beside each.
+/// Shares for each gap, pairs, shares that had gone before, and what else is compared; people with their errors beside each.
 pub fn render_gap_choices(choices: &GapChoices) -> String {
     let GapChoices { people, choosers } = choices;
-    let mut text = format!("{}: people who choose a gap in two streams of cars\n", people.what);
+    let mut text = format!("people who choose a gap in two streams of cars ({})\n", people.what);
     for (index, chooser) in choosers.iter().enumerate() {
         writeln!(text, "  {}  {}", letter(index), introduced(chooser)).expect(STRING);
     }
@@ -48,9 +48,9 @@ pub fn render_gap_choices(choices: &GapChoices) -> String {
         cells
     });
     text += &table("also", PEOPLE_GROUPS, measures, choosers);
-    text += "  ±: one standard error, by drawing persons anew; ≤: seen of nobody, upper bound at 95 %; –: no run says anything of it\n";
-    text += "  alone: mean over persons; with others: virtual people crossed in the gap, and in runs nobody does\n";
-    text += "  of who took the gap: entry, and what was left; who is hit in it took it, with nothing left\n";
+    text += "  ±: one standard error, by drawing persons anew; ≤: never seen, upper bound at 95 %; –: no run tells\n";
+    text += "  alone: mean over persons; with others: virtual people crossed in the gap with the people that were observed, and none do in runs\n";
+    text += "  entry and time left: of persons that took the gap; a person that is hit in it took it, with nothing left\n";
     text
 }
 
@@ -77,7 +77,7 @@ fn introduced(chooser: &GapChooser) -> String {
     format!("{name}: {fitted}; {who}{digest}")
 }
 
-/// A line of a table: people, where anything is known of them, and everybody else.
+/// A line of a table: people, as far as they are known, and what is compared with them.
 fn line(
     name: String,
     people: Option<&PeopleNumbers>,
@@ -179,14 +179,14 @@ fn observed(known: &PeopleNumber, unit: GapUnit) -> String {
     }
 }
 
-/// Who had gone before the gap opened, in % of the runs.
+/// In how many runs the person had gone before the gap opened, %.
 fn went_before(chosen: &ChosenGap) -> String {
     let share = |count: usize| 100.0 * count as f64 / chosen.runs as f64;
     format!("{:.1} ({:.1})", share(chosen.before_first + chosen.in_shorter), share(chosen.before_first))
 }
 
-/// The share that is taken against the gap, as SVG that stands alone: people by country with their errors, and a line for everybody else of
-/// whom anything is known.
+/// The share that is taken against the gap, as SVG that stands alone: people by country with their errors, and a line for each
+/// population and model of which a share is known.
 pub fn draw_gap_choices(choices: &GapChoices) -> String {
     let panel = |with_others: bool| {
         let places: Vec<usize> = (0..choices.people.conditions.len())
@@ -209,7 +209,7 @@ pub fn draw_gap_choices(choices: &GapChoices) -> String {
         };
         let drawn = |chooser: &GapChooser| {
             let gaps = chooser.chosen.as_ref()?;
-            // Of whom nothing is known anywhere there is no line.
+            // There is no line without a point.
             gaps.conditions.iter().find_map(|one| one.share)?;
             let of = places
                 .iter()
@@ -226,7 +226,7 @@ pub fn draw_gap_choices(choices: &GapChoices) -> String {
     };
     let panels = [panel(false), panel(true)];
     let more = panels[0].lines.len().saturating_sub(SHARE_LINES);
-    let mut remarks = vec!["share of those still there who take the gap; bars: one standard error, or up to the bound at 95 % where nobody did".to_string()];
+    let mut remarks = vec!["share of those still there who take the gap; bars: one standard error, or up to the bound at 95 % where none did".to_string()];
     if more > 0 {
         remarks.push(format!("{more} more are in the tables alone"));
     }
@@ -247,7 +247,7 @@ fn panel_title<'c>(with_others: bool, conditions: impl Iterator<Item = &'c GapCo
 
 fn people_name(group: usize) -> String {
     match group {
-        ALL_PEOPLE => "people".to_string(),
+        ALL_PEOPLE => "people, both countries".to_string(),
         _ => format!("people in {}", PEOPLE_GROUPS[group]),
     }
 }

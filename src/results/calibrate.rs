@@ -163,11 +163,14 @@ impl CalibratedCondition {
         self.rate.as_ref().map_or_else(|| self.scenario.clone(), |rate| format!("{}: {rate}", self.scenario))
     }
 
-    /// The condition in words, such as `crossing gap=3s`.
+    /// Where it is, such as `crossing gap=3s`.
+    pub fn place(&self) -> String {
+        format!("{} {}", self.scenario, self.values).trim_end().to_string()
+    }
+
+    /// The same, and behind it what was counted where that is not the same in all conditions.
     pub fn in_words(&self) -> String {
-        let place = format!("{} {}", self.scenario, self.values);
-        let place = place.trim_end();
-        self.rate.as_ref().map_or_else(|| place.to_string(), |rate| format!("{place}: {rate}"))
+        self.rate.as_ref().map_or_else(|| self.place(), |rate| format!("{}: {rate}", self.place()))
     }
 }
 

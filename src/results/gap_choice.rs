@@ -11,9 +11,9 @@ pub const ALL_PEOPLE: usize = 2;
 pub struct PeopleNumber {
     /// In the unit of what it is about; shares from 0 to 1.
     pub value: f64,
-    /// Its standard error, by drawing persons anew; `None` where nobody did so.
+    /// Its standard error, by drawing persons anew; `None` where no person did so.
     pub error: Option<f64>,
-    /// Where nobody did so: one-sided bound at 95 %.
+    /// The one-sided bound at 95 %, where no person did so.
     pub at_most: Option<f64>,
 }
 
@@ -61,7 +61,7 @@ pub enum GapMeasure {
     SpeedInGap(f64),
     /// Share of trials with a collision.
     Collision,
-    /// Share of trials in which nobody crossed within 60 s.
+    /// Share of trials in which the person had not crossed after 60 s.
     NeverAcross,
     /// Share of trials with a step back out of a lane.
     StepBack,
@@ -89,14 +89,14 @@ pub struct PeopleAtGaps {
     pub measures: Vec<(GapMeasure, PeopleNumbers)>,
 }
 
-/// Whether whoever is compared was fitted to these people.
+/// Whether a population or a model was fitted to these people.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum FittedTo {
     /// To them: that it is like them is no finding.
     ThesePeople,
-    /// To others, or to nobody.
+    /// To others, or to none.
     Others,
-    /// Nobody knows, for this reason.
+    /// Unknown, for this reason.
     Unknown(String),
 }
 
@@ -113,7 +113,7 @@ pub struct GapChooser {
     pub persons: usize,
     /// Runs of each person in every condition.
     pub runs: u32,
-    /// `None` of who walks the same whatever others do: it takes no gap, it meets one.
+    /// `None` of a model that walks the same whatever cars do: it takes no gap, it meets one.
     pub chosen: Option<ChosenGaps>,
 }
 
@@ -137,7 +137,7 @@ pub struct ChosenGap {
     pub in_shorter: usize,
     /// In which the person took the gap.
     pub taken: usize,
-    /// Share of those who were still there when the gap opened; `None` if nobody was.
+    /// Share of those who were still there when the gap opened; `None` if none was.
     pub share: Option<f64>,
     /// Its standard error, by drawing persons anew; `None` of fewer than two, and where all of them did the same.
     pub error: Option<f64>,
@@ -168,7 +168,7 @@ impl ChosenGaps {
 pub struct GapChoices {
     /// What people did.
     pub people: PeopleAtGaps,
-    /// Whoever is compared with them, in the order in which they were asked for.
+    /// What is compared with them, in the order in which it was asked for.
     pub choosers: Vec<GapChooser>,
 }
 

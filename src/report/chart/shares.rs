@@ -30,7 +30,7 @@ pub struct SharePoint {
     pub within: (f64, f64),
 }
 
-/// Somebody who is compared with people: places and shares from 0 to 1; none where nothing is known.
+/// What is compared with people: places and shares from 0 to 1; no place where the share is not known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShareLine {
     pub name: String,

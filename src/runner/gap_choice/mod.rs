@@ -30,10 +30,18 @@ const WHO: &str = "gap_choice.scn";
 /// What only people of the experiment are called, in the provenance of a population that was fitted to them.
 const THESE_PEOPLE: [&str; 3] = ["crosscdr", "10.1109/iv55152.2023.10186635", "sprenger"];
 
+/// What the walker of the file lacks, which is of the model that populations are of. Its body is the published one.
+const OWN_MODEL: &str = "size 0.8 m x 0.8 m";
+
+/// The walker of another model: going cannot be inhibited there, so it stands until the first car has passed.
+fn waits(model: &str) -> String {
+    format!("model {model}\n    looks for look + 2.3 s")
+}
+
 /// Gaps are told apart to this, s.
 const SAME: f64 = 1e-6;
 
-/// Who is put into the street.
+/// A population or a model to be put into the street.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Choosing {
     /// Of a population: a name that ships, or a file.
@@ -42,7 +50,7 @@ pub enum Choosing {
     Model(String),
 }
 
-/// Why nobody knows what somebody does in the street.
+/// Why it is not known what a population or a model does in the street.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum GapChoiceError {
@@ -76,7 +84,7 @@ pub enum GapChoiceError {
     /// The scenario cannot be run with it.
     #[error("{who} cannot be put into the street\n{problems}")]
     Problems {
-        /// Who.
+        /// The population or the model.
         who: String,
         /// What is wrong.
         problems: Box<Problems>,
@@ -93,7 +101,7 @@ pub enum GapChoiceError {
 pub struct GapStudy<'a> {
     /// What people did.
     pub people: &'a PeopleAtGaps,
-    /// The text of the scenario file: definitions `alone`, `risky` and `safe`, a stream `near`, a pedestrian `walker` and a variation `look`.
+    /// The text of the scenario file: definitions `alone`, `risky` and `safe`, a stream `near`, a pedestrian `walker` and a `let look`.
     pub street: &'a str,
     /// What scenarios may name.
     pub registry: &'a Registry,
@@ -107,11 +115,11 @@ pub struct GapStudy<'a> {
     pub members: usize,
     /// Runs of each person of a population in every condition, at least 1.
     pub repetitions: u32,
-    /// Decides who is drawn and the noise of every run.
+    /// Decides which persons are drawn, and the noise of every run.
     pub seed: u64,
 }
 
-/// Who is put into the street, as the scenario says it.
+/// A population or a model as the scenario says it.
 struct Walker {
     /// What stands in the block of the pedestrian.
     block: String,
@@ -125,7 +133,7 @@ struct Walker {
 }
 
 impl GapStudy<'_> {
-    /// Whether everybody who is asked for can be put into the street, before anybody is.
+    /// Whether a population or a model can be put into the street; nothing runs.
     ///
     /// # Errors
     /// As [`Self::run`], but for what only runs show.
@@ -137,7 +145,7 @@ impl GapStudy<'_> {
         Ok(())
     }
 
-    /// What somebody does in all conditions after a time to look such as `1 s`; `progress` is told how many runs of how many are done.
+    /// What a population or a model does in all conditions after a time to look such as `1 s`; `progress` is told how many runs of how many are done.
     ///
     /// # Errors
     /// [`GapChoiceError`].
@@ -165,14 +173,13 @@ impl GapStudy<'_> {
                 nearest: models.nearest(name),
             })
         };
-        let size = |model: &str| if model == SHIPPED_MODEL { "\n    size 0.8 m x 0.8 m" } else { "" };
         let (members, runs) = (self.members, self.repetitions);
         match who {
             Choosing::Model(name) => {
                 let model = find(name)?;
                 let defaults = model.declaration.fill_in(&Settings::default());
                 Ok(Walker {
-                    block: format!("model {name}{}", size(name)),
+                    block: if name == SHIPPED_MODEL { OWN_MODEL.to_string() } else { waits(name) },
                     file: None,
                     digest: None,
                     fitted: FittedTo::Others,
@@ -196,10 +203,7 @@ impl GapStudy<'_> {
                 let persons = members.min(people.len());
                 let of = if is_shipped { name.clone() } else { quoted(name) };
                 Ok(Walker {
-                    block: format!(
-                        "model {SHIPPED_MODEL}{}\n    individuals {persons} of {of}",
-                        size(SHIPPED_MODEL)
-                    ),
+                    block: format!("{OWN_MODEL}\n    individuals {persons} of {of}"),
                     file: text.map(|text| (name.clone(), text)),
                     digest: Some(people.digest()),
                     fitted: fitted_to(&people, is_shipped),
@@ -211,11 +215,11 @@ impl GapStudy<'_> {
         }
     }
 
-    /// The scenarios of everybody's runs, read, checked and planned.
+    /// The scenarios of the runs, read, checked and planned.
     fn project(&self, who: &str, walker: &Walker, look: &str) -> Result<Project, GapChoiceError> {
         let scenario = |of: &str| {
             format!(
-                "scenario {of}_gap : {of} {{\n  pedestrian walker {{\n    {}\n  }}\n  repeat {}\n  expect {{ no collision }}\n}}\n",
+                "scenario {of}_gap : {of} {{\n  pedestrian walker {{\n    {}\n  }}\n  end on collision\n  repeat {}\n  expect {{ no collision }}\n}}\n",
                 walker.block, walker.runs
             )
         };
@@ -293,7 +297,7 @@ impl GapStudy<'_> {
         };
         let place = self.people.conditions.iter().position(is_it);
         place.ok_or_else(|| {
-            GapChoiceError::Street(format!("{}: nobody was observed at gaps of {gaps:?} s", case.key))
+            GapChoiceError::Street(format!("{}: no people were observed at gaps of {gaps:?} s", case.key))
         })
     }
 }
@@ -336,10 +340,10 @@ fn fitted_to(population: &Population, is_shipped: bool) -> FittedTo {
     }
     match population.provenance.get("observations") {
         Some(observations) => FittedTo::Unknown(format!(
-            "it was fitted to {observations}, and nobody knows here whose these are"
+            "it was fitted to {observations}, and it is not known here whose these are"
         )),
         None if population.provenance.contains_key("criteria") => FittedTo::Unknown(
-            "it was retained by criteria, and nobody knows here what these rest on".to_string(),
+            "it was retained by criteria, and it is not known here what these rest on".to_string(),
         ),
         None => FittedTo::Unknown("it does not say what it was fitted to".to_string()),
     }

@@ -105,8 +105,8 @@ fn pair_share((all, held): (usize, usize)) -> Option<f64> {
     (all > 1).then(|| (held * held.saturating_sub(1)) as f64 / (all * (all - 1)) as f64)
 }
 
-/// The standard error of the share of all, a ratio over persons who are drawn anew: each with how often it was there and how often it held.
-/// `None` of fewer than two who were, and where all of them always or never did, which says nothing of how much persons differ.
+/// The standard error of the share of all, a ratio over persons drawn anew: each with how often it was there and how often it held.
+/// `None` of fewer than two persons that were there, and where all of them always or never did so.
 fn standard_error(persons: &[(usize, usize)]) -> Option<f64> {
     let persons: Vec<(f64, f64)> = persons
         .iter()

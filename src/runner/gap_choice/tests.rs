@@ -80,12 +80,10 @@ fn whoever_walks_into_the_first_gap_meets_no_later_one() {
     }
 }
 
-/// What comes of walking after so many seconds at so many m/s, whatever comes, where the gap is 3.5 s and the first car is 2 s away: the fronts of
-/// the near cars pass at 1.742 s and every 2 s from then on, that of the last at 11.242 s.
+/// What comes of walking after so many seconds at so many m/s, whatever comes, where the gap is 3.5 s: the fronts of the near cars pass at 1.742 s and every 2 s from then on, that of the last at 11.242 s.
 fn walks(delay: f64, speed: f64) -> Walk {
-    let usual = STREET_FILE.replace("    looks for look\n", "");
-    let street = usual.replace("first 0.3 s + look", "first 2 s");
-    assert!(usual != STREET_FILE && street != usual);
+    let street = STREET_FILE.replace("    looks for look\n", "");
+    assert_ne!(street, STREET_FILE);
     let walker = Walker {
         block: format!("model scripted {{ delay: {delay} s, speed: {speed} m/s }}"),
         file: None,
@@ -164,7 +162,7 @@ fn a_street_with_other_gaps_is_refused() {
         with(&street, |study| study.run(&of("standard"), "0 s", |_, _| ())).unwrap_err().to_string()
     };
     let said = of_street("gaps 3 s, 3 s, 3 s, 4 s", "gaps 3 s, 3 s, 4 s, 4 s");
-    assert!(said.contains("nobody was observed at gaps of [3.0, 3.0, 4.0, 4.0] s"), "{said}");
+    assert!(said.contains("no people were observed at gaps of [3.0, 3.0, 4.0, 4.0] s"), "{said}");
     let said = of_street("gap in [3.5 s, ", "gap in [");
     assert!(said.contains("has no gap of 3.5 s after gaps of 2 s"), "{said}");
 }

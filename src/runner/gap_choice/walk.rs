@@ -32,11 +32,11 @@ pub enum Went {
 /// What one run came to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Walk {
-    /// Who is hit on the near lane went in the gap in which it entered the lane; in which it was hit, if it had not or had been there before.
+    /// A person that is hit on the near lane went in the gap in which it entered the lane, or, where that is not known, in which it was hit.
     pub went: Went,
-    /// From the front of the previous car to entering the near lane, s; `None` of who does not get across it.
+    /// From the front of the previous car to entering the near lane, s; `None` of a person that does not get across it.
     pub after_previous: Option<f64>,
-    /// On leaving the near lane until the next car is there, s; 0 of who is hit on it.
+    /// On leaving the near lane until the next car is there, s; 0 of a person that is hit on it.
     pub left: Option<f64>,
     /// Mean on the near lane, m/s.
     pub speed: Option<f64>,
@@ -118,13 +118,15 @@ impl GapMetrics {
         let near = case.world.streams.iter().find(|stream| stream.name == NEAR);
         let near = near.ok_or_else(|| format!("{}: there is no stream `{NEAR}`", outcome.key))?;
         let was_hit = value(&self.collision) == Some(1.0);
-        // Cars push some people along the lane, who are hit where it is not known when which front passes.
+        // A car may push a person along the lane into places where it is not known when a front passes.
         let stepped_back = value(&self.step_back).map(|back| back == 1.0);
         let only_entry = || moment(&self.first_entry).filter(|_| stepped_back != Some(true));
         let hit = || only_entry().or_else(|| moment(&self.collision)).filter(|_| was_hit);
         let entered = moment(&self.gap_taken).or_else(|| moment(&self.gaps_missed)).or_else(hit);
         let went = match entered {
-            None if was_hit => return Err(format!("{}: nobody knows when the person was hit", outcome.key)),
+            None if was_hit => {
+                return Err(format!("{}: it is not known when the person was hit", outcome.key));
+            }
             None => Went::Never,
             Some(entered) => match fronts(case, near).filter(|front| *front <= entered).count() {
                 0 => Went::BeforeFirst,

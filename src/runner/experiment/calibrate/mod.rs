@@ -144,8 +144,9 @@ pub fn run_calibrate(
             Some(CalibratedShare {
                 observed: target.value,
                 error: target.error,
-                equal: of(&features, &equal, index)?,
-                fitted: of(&features, &weights, index)?,
+                // Predictions are linear, and may lie a little beyond what is possible.
+                equal: of(&features, &equal, index)?.clamp(0.0, 1.0),
+                fitted: of(&features, &weights, index)?.clamp(0.0, 1.0),
                 fresh: of(&fresh, &heavy, index)?,
                 left_out: None,
                 matched: true,
@@ -162,11 +163,12 @@ pub fn run_calibrate(
             return Err(nobody("the spread between individuals"));
         }
         if let Some(left_out) = &left_out {
-            share.left_out = left_out[index].0;
+            share.left_out = left_out[index].0.map(|share| share.clamp(0.0, 1.0));
         }
         if let Some(spread) = &mut spread {
             spread.matched = spread_within[index].is_some();
-            spread.left_out = left_out.as_ref().and_then(|left_out| left_out[index].1);
+            spread.left_out =
+                left_out.as_ref().and_then(|left_out| left_out[index].1).map(|share| share.clamp(0.0, 1.0));
         }
         let counted = |condition: &ObservedCondition| {
             let some = block.rates[condition.rate].counts_some();
@@ -270,6 +272,7 @@ fn warnings(result: &CalibrateResult, only_defined: &[bool]) -> Vec<String> {
             result.effective_size
         ));
     }
+    let matched = |one: &CalibratedCondition| one.rate.clone().unwrap_or_else(|| result.matched.clone());
     // Fewer than are weighed at all, by half.
     let few_candidates = result.effective_size.min(LEAST_EFFECTIVE) / 2.0;
     for one in &result.conditions {
@@ -278,10 +281,10 @@ fn warnings(result: &CalibrateResult, only_defined: &[bool]) -> Vec<String> {
         if let Some(counted) = one.counted.filter(few) {
             warnings.push(format!(
                 "the share of {} rests on {:.0} runs of {:.0} candidates of equal weight that count for `{}`, {} of all; take more runs or candidates",
-                one.in_words(),
+                one.place(),
                 counted.runs,
                 counted.candidates,
-                result.matched,
+                matched(one),
                 percent(counted.share)
             ));
         }
@@ -302,8 +305,8 @@ fn warnings(result: &CalibrateResult, only_defined: &[bool]) -> Vec<String> {
         warnings.push(format!(
             "in {} of the runs of {} `{}` is undefined or was cut off, and counts as the block says",
             percent(of_counted(one)),
-            one.in_words(),
-            result.matched
+            one.place(),
+            matched(one)
         ));
     }
     for one in &result.conditions {
