@@ -166,6 +166,9 @@ const MOST_STEPS: usize = 500;
 const CONVERGED: f64 = 1e-10;
 /// Of the dual's value.
 const ROUNDING: f64 = 1e-12;
+/// Below this strength a minimum is looked for from the one of a greater strength: from equal weights the first steps of Newton's method
+/// could lead to where a single candidate has all weight, and end there.
+const APPROACHED: f64 = 1e-2;
 /// The strength of what is held at an edge: next to none, so that it is there to rounding, and that it stays finite where it cannot be.
 const EDGE: f64 = 1e-6;
 
@@ -256,6 +259,19 @@ impl Standardised {
             return (EntropyWeights { weights, mismatches: Vec::new() }, Vec::new());
         }
         let mut dual = vec![0.0; self.count];
+        if strength < APPROACHED {
+            let greater = std::iter::successors(Some(STRENGTH), |one| Some(one / 10.0));
+            for one in greater.take_while(|one| *one > strength) {
+                dual = self.minimum(one, dual).1;
+            }
+        }
+        let (point, dual) = self.minimum(strength, dual);
+        let mismatches = self.means(&point.weights);
+        (EntropyWeights { weights: point.weights, mismatches }, dual)
+    }
+
+    /// The minimum of the dual, from `dual` on.
+    fn minimum(&self, strength: f64, mut dual: Vec<f64>) -> (Point, Vec<f64>) {
         let mut point = self.at(&dual, strength);
         for _ in 0..MOST_STEPS {
             let gradient = self.gradient(&point, &dual, strength);
@@ -286,8 +302,7 @@ impl Standardised {
             let Some(next) = next else { break };
             (dual, point) = next;
         }
-        let mismatches = self.means(&point.weights);
-        (EntropyWeights { weights: point.weights, mismatches }, dual)
+        (point, dual)
     }
 }
 
@@ -357,6 +372,47 @@ mod tests {
         };
         let targets = (0..targets).map(|_| target(&mut stream)).collect();
         (features, targets)
+    }
+
+    /// Candidates that do something from some gap on, and do it always or never but for noise: shares and pairs of them, as calibrations
+    /// match them.
+    fn cliffs(seed: u64) -> (Vec<Vec<f64>>, Vec<WeightTarget>) {
+        let mut stream = Stream::seeded(seed);
+        let row = |stream: &mut Stream| {
+            let (asked, sharp) = (1.0 + 9.0 * stream.uniform(), 0.05 + 2.0 * stream.uniform());
+            let share = |gap: f64, noise: f64| 1.0 / (1.0 + libm::exp((asked - gap) / sharp)) + noise;
+            let shares: Vec<f64> = (3..=7)
+                .flat_map(|gap| {
+                    [
+                        share(f64::from(gap), 0.1 * stream.normal()),
+                        share(f64::from(gap) + 2.0, 0.1 * stream.normal()),
+                    ]
+                })
+                .collect();
+            let pairs = shares.iter().map(|one| one * one + 0.05 * stream.normal());
+            shares.iter().copied().chain(pairs).collect()
+        };
+        let features: Vec<Vec<f64>> = (0..2000).map(|_| row(&mut stream)).collect();
+        let shares: Vec<f64> = (0..10).map(|_| stream.uniform()).collect();
+        let target = |value: f64| WeightTarget { value, error: 0.03 };
+        let pairs = shares.iter().map(|one| target(one * (0.7 + 0.3 * one)));
+        (features, shares.iter().map(|one| target(*one)).chain(pairs).collect())
+    }
+
+    #[test]
+    fn the_nearest_mixture_is_no_farther_than_a_more_equal_one() {
+        for seed in 0..20 {
+            let (features, targets) = cliffs(seed);
+            let nearest = nearest_mixture(&features, &targets, &[]).chi_squared();
+            let usual = maximum_entropy(&features, &targets).chi_squared();
+            assert!(nearest <= usual * (1.0 + 1e-9), "seed {seed}: {nearest} and {usual}");
+            // At the minimum every mismatch is held by its multiplier.
+            for strength in [FREE, 0.25, STRENGTH] {
+                let (found, dual) = Standardised::new(&features, &targets, &[], &[]).solve(strength);
+                let left = found.mismatches.iter().zip(&dual).map(|(one, by)| one + strength * by);
+                assert!(left.map(f64::abs).fold(0.0, f64::max) < 1e-6, "seed {seed}, strength {strength}");
+            }
+        }
     }
 
     /// Relative entropy to equal weights, plus the penalty: what the weights minimise.
