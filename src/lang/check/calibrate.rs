@@ -124,7 +124,7 @@ pub fn calibrate(
     })
 }
 
-/// Every rate of the block with what people did, each about scenarios of its own.
+/// Every rate of the block with what people did. Each scenario has rows of one of them at least, and none of a rate twice.
 fn matched_rates(
     block: ast::CalibrateBlock,
     scenarios: &[Named],

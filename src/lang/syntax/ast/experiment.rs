@@ -474,7 +474,7 @@ pub static CALIBRATE_BLOCK: BlockEntry = BlockEntry {
             "match",
             Rule::matched,
             "match rate(gap_accepted) to \"human_crossing.csv\" undefined fails`, `match rate(gap_accepted) to \"human_crossing.csv\" undefined not counted`, `match rate(gap_accepted(cars_5, walker)) to \"pivot.csv\" where no gap_accepted(cars_4, walker)",
-            "What people did, a condition a row; once for each experiment, each about its own scenarios. Shares are of all runs, or only of those that count, as those of people are of the trials in which they were still there: `where` something holds, or with `undefined not counted` where the metric exists.",
+            "What people did, a condition a row; once for each experiment, or for each thing that was counted there. Shares are of all runs, or only of those that count, as those of people are of the trials in which they were still there: `where` something holds, or with `undefined not counted` where the metric exists.",
         )
         .key("match", YamlShape::Words)
         .repeats()
