@@ -148,6 +148,7 @@ pub fn draw_calibration(result: &CalibrateResult) -> String {
     const LEFT: f64 = 48.0;
     const TOP: f64 = 34.0;
     const LINE: f64 = 18.0;
+    const ROW: f64 = TOP + HEIGHT + 2.0 * LINE;
     let drawn = drawn(result);
     let mut subjects: Vec<String> = Vec::new();
     for one in &result.conditions {
@@ -155,22 +156,22 @@ pub fn draw_calibration(result: &CalibrateResult) -> String {
             subjects.push(one.subject());
         }
     }
-    let width = LEFT + (WIDTH + 30.0) * subjects.len() as f64;
-    let legend = TOP + HEIGHT + 2.0 * LINE;
+    let width = LEFT + (WIDTH + 30.0) * subjects.len().min(PANELS) as f64;
+    let legend = ROW * subjects.len().div_ceil(PANELS) as f64;
     let height = legend + LINE * (drawn.len() + 2) as f64;
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" font-family=\"sans-serif\" font-size=\"12\">\n\
          <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
     );
-    let y = |share: f64| TOP + HEIGHT * (1.0 - share);
     for (panel, subject) in subjects.iter().enumerate() {
-        let left = LEFT + (WIDTH + 30.0) * panel as f64;
+        let left = LEFT + (WIDTH + 30.0) * (panel % PANELS) as f64;
+        let top = ROW * (panel / PANELS) as f64;
+        let y = |share: f64| top + TOP + HEIGHT * (1.0 - share);
         let of: Vec<usize> = (0..result.conditions.len())
             .filter(|index| result.conditions[*index].subject() == *subject)
             .collect();
         let x = |place: usize| left + WIDTH * (place as f64 + 0.5) / of.len() as f64;
-        writeln!(svg, "<text x=\"{left}\" y=\"20\" font-weight=\"bold\">{}</text>", html(subject))
-            .expect(STRING);
+        svg += &heading(subject, left, top);
         for tenth in (0..=10).step_by(2) {
             let at = y(f64::from(tenth) / 10.0);
             writeln!(svg, "<path d=\"M{left} {at}h{WIDTH}\" stroke=\"#ddd\"/><text x=\"{}\" y=\"{}\" text-anchor=\"end\">{} %</text>", left - 4.0, at + 4.0, tenth * 10).expect(STRING);
@@ -190,7 +191,7 @@ pub fn draw_calibration(result: &CalibrateResult) -> String {
             writeln!(
                 svg,
                 "<text x=\"{at:.1}\" y=\"{}\" text-anchor=\"middle\">{}</text>",
-                TOP + HEIGHT + LINE,
+                top + TOP + HEIGHT + LINE,
                 html(&one.values)
             )
             .expect(STRING);
@@ -212,6 +213,36 @@ pub fn draw_calibration(result: &CalibrateResult) -> String {
         entry(&mut svg, line + 1, &mark, &one.words);
     }
     svg + "</svg>\n"
+}
+
+/// Panels side by side.
+const PANELS: usize = 3;
+/// Small letters that a panel is wide.
+const SMALL_LETTERS: usize = 62;
+
+/// The subject of a panel: the scenario, and below it in small letters what was counted, where that is not the same in all panels.
+fn heading(subject: &str, left: f64, top: f64) -> String {
+    let Some((scenario, rate)) = subject.split_once(": ") else {
+        let y = top + 20.0;
+        return format!("<text x=\"{left}\" y=\"{y}\" font-weight=\"bold\">{}</text>\n", html(subject));
+    };
+    let mut lines: Vec<String> = vec![String::new()];
+    for word in rate.split(' ') {
+        match lines.last_mut() {
+            Some(line) if line.is_empty() => line.push_str(word),
+            Some(line) if line.chars().count() + word.chars().count() < SMALL_LETTERS => {
+                *line += &format!(" {word}")
+            }
+            _ => lines.push(word.to_string()),
+        }
+    }
+    let mut svg =
+        format!("<text x=\"{left}\" y=\"{}\" font-weight=\"bold\">{}</text>\n", top + 9.0, html(scenario));
+    for (number, line) in lines.iter().enumerate() {
+        let y = top + 19.0 + 9.0 * number as f64;
+        svg += &format!("<text x=\"{left}\" y=\"{y}\" font-size=\"9\">{}</text>\n", html(line));
+    }
+    svg
 }
 
 /// Shares of the conditions, in their order, and how they are drawn.
