@@ -73,6 +73,7 @@ REFUSED = [
     ("```scn in\nseed 1\n```\n", "a part has no name"),
     ("```scn in scenario vehicle\nseed 1\n```\n", "a part has no name"),
     ("```suite in vehicle\nspeed 1 m/s\n```\n", "nothing stands after `suite`"),
+    (RUN + "```sh data\nscenario-runner calibrate --count 5 > b.svg\n```\n![a](a.svg)\n", "is not the picture"),
     # Files and pictures.
     ("`a.scn`:\n```scn\nlet a = \n```\n" + RUN, "`a.scn` is wrong"),
     ("`a.suite`:\n```suite\nsuite a { scenarios \"b.scn\" }\n```\n" + RUN, "`a.suite` is wrong"),
@@ -98,6 +99,7 @@ PASSED = [
     RUN + "```sh network\nfalse\n```\n```sh editor\nfalse\n```\n",
     RUN + "```sh slow\nfalse\n```\n" + SAID + "```text shown\na\n```\n```lua editor\na\n```\n",
     RUN + "```sh data\nscenario-runner calibrate --count 5 > x\n```\n",
+    RUN + "```sh data\nscenario-runner calibrate --count 5 > a.svg\n```\n![a](a.svg)\n",
     "# Only words.\n",
     "```scn in pedestrian\nmodel scripted { speed: 1 m/s }\n```\n",
     "<!-- blocks: in a copy of scenarios suites -->\n```sh\nls suites/zebra.suite >suites/a\n```\n",
