@@ -4,10 +4,10 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
-use indicatif::{ProgressBar, ProgressStyle};
 
 use super::experiment::{self, ExperimentArguments};
 use super::programs::{ProgramArguments, VerifyArguments};
+use super::progress::bar;
 use super::run::output::BlockOutputArguments;
 use super::set::SetArguments;
 use super::{Exit, number, store};
@@ -276,15 +276,8 @@ fn try_run(arguments: &CalibrateArguments) -> Result<Exit, CalibrateError> {
             .build_global()
             .map_err(|error| CalibrateError::Threads { threads, error })?;
     }
-    let bar = if arguments.no_progress {
-        ProgressBar::hidden()
-    } else {
-        let style = ProgressStyle::with_template(
-            "{human_pos} of {human_len} candidates [{wide_bar}] {per_sec}, {eta} left",
-        );
-        let bar = ProgressBar::new(request.candidates.rows.len() as u64);
-        style.map_or(bar.clone(), |style| bar.with_style(style.progress_chars("=> ")))
-    };
+    let template = "{human_pos} of {human_len} candidates [{wide_bar}] {per_sec}, {eta} left";
+    let bar = bar(!arguments.no_progress, template, request.candidates.rows.len() as u64);
     let report = calibrate(&request, journal.as_ref(), || bar.inc(1))?;
     bar.finish_and_clear();
     write!(stdout(), "{}", summary(&request, &report));

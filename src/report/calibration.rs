@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use super::columns::columns;
 use super::format::in_unit;
+use super::svg::wrapped;
 use files::escape::html;
 use results::{
     CalibrateResult, CalibratedCondition, CalibratedParameter, CalibratedShare, ComparedPopulation,
@@ -150,10 +151,11 @@ pub fn draw_calibration(result: &CalibrateResult) -> String {
     const LINE: f64 = 18.0;
     const ROW: f64 = TOP + HEIGHT + 2.0 * LINE;
     let drawn = drawn(result);
-    let mut subjects: Vec<String> = Vec::new();
+    let subject = |one: &CalibratedCondition| (one.scenario.clone(), one.rate.clone());
+    let mut subjects = Vec::new();
     for one in &result.conditions {
-        if !subjects.contains(&one.subject()) {
-            subjects.push(one.subject());
+        if !subjects.contains(&subject(one)) {
+            subjects.push(subject(one));
         }
     }
     let width = LEFT + (WIDTH + 30.0) * subjects.len().min(PANELS) as f64;
@@ -163,15 +165,15 @@ pub fn draw_calibration(result: &CalibrateResult) -> String {
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" font-family=\"sans-serif\" font-size=\"12\">\n\
          <rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n"
     );
-    for (panel, subject) in subjects.iter().enumerate() {
+    for (panel, shown) in subjects.iter().enumerate() {
         let left = LEFT + (WIDTH + 30.0) * (panel % PANELS) as f64;
         let top = ROW * (panel / PANELS) as f64;
         let y = |share: f64| top + TOP + HEIGHT * (1.0 - share);
         let of: Vec<usize> = (0..result.conditions.len())
-            .filter(|index| result.conditions[*index].subject() == *subject)
+            .filter(|index| subject(&result.conditions[*index]) == *shown)
             .collect();
         let x = |place: usize| left + WIDTH * (place as f64 + 0.5) / of.len() as f64;
-        svg += &heading(subject, left, top);
+        svg += &heading(&shown.0, shown.1.as_deref(), left, top);
         for tenth in (0..=10).step_by(2) {
             let at = y(f64::from(tenth) / 10.0);
             writeln!(svg, "<path d=\"M{left} {at}h{WIDTH}\" stroke=\"#ddd\"/><text x=\"{}\" y=\"{}\" text-anchor=\"end\">{} %</text>", left - 4.0, at + 4.0, tenth * 10).expect(STRING);
@@ -217,30 +219,20 @@ pub fn draw_calibration(result: &CalibrateResult) -> String {
 
 /// Panels side by side.
 const PANELS: usize = 3;
-/// Small letters that a panel is wide.
+/// Width of a panel in small letters.
 const SMALL_LETTERS: usize = 62;
 
-/// The subject of a panel: the scenario, and below it in small letters what was counted, where that is not the same in all panels.
-fn heading(subject: &str, left: f64, top: f64) -> String {
-    let Some((scenario, rate)) = subject.split_once(": ") else {
+/// The heading of a panel: its scenario, and below it in small letters its rate, where panels show several.
+fn heading(scenario: &str, rate: Option<&str>, left: f64, top: f64) -> String {
+    let Some(rate) = rate else {
         let y = top + 20.0;
-        return format!("<text x=\"{left}\" y=\"{y}\" font-weight=\"bold\">{}</text>\n", html(subject));
+        return format!("<text x=\"{left}\" y=\"{y}\" font-weight=\"bold\">{}</text>\n", html(scenario));
     };
-    let mut lines: Vec<String> = vec![String::new()];
-    for word in rate.split(' ') {
-        match lines.last_mut() {
-            Some(line) if line.is_empty() => line.push_str(word),
-            Some(line) if line.chars().count() + word.chars().count() < SMALL_LETTERS => {
-                *line += &format!(" {word}")
-            }
-            _ => lines.push(word.to_string()),
-        }
-    }
     let mut svg =
         format!("<text x=\"{left}\" y=\"{}\" font-weight=\"bold\">{}</text>\n", top + 9.0, html(scenario));
-    for (number, line) in lines.iter().enumerate() {
+    for (number, line) in wrapped(rate, SMALL_LETTERS, "").iter().enumerate() {
         let y = top + 19.0 + 9.0 * number as f64;
-        svg += &format!("<text x=\"{left}\" y=\"{y}\" font-size=\"9\">{}</text>\n", html(line));
+        svg += &format!("<text x=\"{left}\" y=\"{y}\" font-size=\"9\">{}</text>\n", html(line.trim_end()));
     }
     svg
 }

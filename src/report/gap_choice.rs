@@ -11,7 +11,7 @@ use results::{
 
 const STRING: &str = "writing to a string cannot fail";
 
-/// What is not known.
+/// In place of an unknown value.
 const UNKNOWN: &str = "–";
 
 /// Shares for each gap, pairs, shares that had gone before, and what else is compared; people with their errors beside each.
@@ -70,11 +70,11 @@ fn introduced(chooser: &GapChooser) -> String {
         FittedTo::Unknown(reason) => format!("unknown whether fitted to these people: {reason}"),
     };
     let digest = digest.as_ref().map_or_else(String::new, |digest| format!(", digest {digest}"));
-    let who = match persons {
+    let persons = match persons {
         1 => format!("one person, {runs} runs in every condition"),
         _ => format!("{persons} persons, {runs} runs of each in every condition"),
     };
-    format!("{name}: {fitted}; {who}{digest}")
+    format!("{name}: {fitted}; {persons}{digest}")
 }
 
 /// A line of a table: people, as far as they are known, and what is compared with them.
@@ -319,16 +319,16 @@ mod tests {
     }
 
     #[test]
-    fn people_stand_beside_everybody() {
+    fn people_stand_beside_populations_and_models() {
         insta::assert_snapshot!(render_gap_choices(&choices()));
     }
 
     #[test]
-    fn what_nobody_met_is_no_point() {
+    fn an_unknown_share_is_not_drawn() {
         let svg = draw_gap_choices(&choices());
         assert!(!svg.contains("NaN") && !svg.contains("scripted"), "{svg}");
         assert!(svg.contains("with others, after gaps of 3 s and 2.5 s"), "{svg}");
-        // Of the second population one share is known, which is 0, and two are not.
+        // Of the second population one share is known, 0, and two are unknown.
         assert_eq!(svg.matches("<title>own, looks for 1 s").count(), 1, "{svg}");
         insta::assert_snapshot!(svg);
     }

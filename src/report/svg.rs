@@ -4,6 +4,20 @@ use std::fmt::{Display, Formatter, Result, Write};
 
 use files::escape::html;
 
+/// Breaks a text between words into lines of at most so many characters, where its words allow it; `indent` begins each line but the first.
+pub fn wrapped(text: &str, characters: usize, indent: &str) -> Vec<String> {
+    let mut lines = vec![String::new()];
+    for word in text.split_inclusive(' ') {
+        let last = lines.last_mut().expect("there is one");
+        if last.chars().count() + word.chars().count() > characters && !last.trim().is_empty() {
+            lines.push(format!("{indent}{word}"));
+        } else {
+            last.push_str(word);
+        }
+    }
+    lines
+}
+
 /// A growing piece of SVG.
 #[derive(Debug, Default)]
 pub struct Svg {
@@ -15,6 +29,27 @@ pub struct Svg {
 pub type Attribute<'a> = (&'static str, &'a dyn Display);
 
 impl Svg {
+    /// The beginning of a file of this width and height in pixels, as wide as its page up to 960 pixels, on a background with the class
+    /// `paper`. `label` is for readers that cannot see it.
+    pub fn file((width, height): (f64, f64), label: &str, style: &str) -> Self {
+        let mut svg = Self::default();
+        let view = format!("0 0 {} {}", At(width), At(height));
+        svg.open(
+            "svg",
+            &[
+                ("xmlns", &"http://www.w3.org/2000/svg"),
+                ("viewBox", &view),
+                ("width", &"100%"),
+                ("style", &"max-width:960px"),
+                ("role", &"img"),
+                ("aria-label", &label),
+            ],
+        );
+        svg.verbatim("style", style);
+        svg.empty("rect", &[("class", &"paper"), ("width", &At(width)), ("height", &At(height))]);
+        svg
+    }
+
     /// Begins an element; [`Self::close`] ends it.
     pub fn open(&mut self, name: &'static str, attributes: &[Attribute]) {
         self.tag(name, attributes);

@@ -71,7 +71,7 @@ pub struct CalibratedCondition {
     pub scenario: String,
     /// What varies, such as `gap=3s`.
     pub values: String,
-    /// What was counted, where several rates are matched.
+    /// The matched rate, where there are several.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rate: Option<String>,
     /// How many trials were observed.
@@ -158,17 +158,12 @@ pub struct CalibratedShare {
 }
 
 impl CalibratedCondition {
-    /// The scenario, and behind it what was counted where that is not the same in all conditions.
-    pub fn subject(&self) -> String {
-        self.rate.as_ref().map_or_else(|| self.scenario.clone(), |rate| format!("{}: {rate}", self.scenario))
-    }
-
-    /// Where it is, such as `crossing gap=3s`.
+    /// The scenario and its values, such as `crossing gap=3s`.
     pub fn place(&self) -> String {
         format!("{} {}", self.scenario, self.values).trim_end().to_string()
     }
 
-    /// The same, and behind it what was counted where that is not the same in all conditions.
+    /// The same, followed by the rate where several are matched.
     pub fn in_words(&self) -> String {
         self.rate.as_ref().map_or_else(|| self.place(), |rate| format!("{}: {rate}", self.place()))
     }

@@ -20,21 +20,7 @@ pub fn standalone(title: &str, charts: &[String], legend: &[LegendEntry], remark
     let across = charts.len().max(1);
     let rows = legend.len().div_ceil(across);
     let height = TITLE + HEIGHT + LINE * (rows + remarks.len()) as f64 + 2.0 * EDGE;
-    let mut svg = Svg::default();
-    let view = format!("0 0 {} {}", At(width), At(height));
-    svg.open(
-        "svg",
-        &[
-            ("xmlns", &"http://www.w3.org/2000/svg"),
-            ("viewBox", &view),
-            ("width", &"100%"),
-            ("style", &"max-width:960px"),
-            ("role", &"img"),
-            ("aria-label", &title),
-        ],
-    );
-    svg.verbatim("style", &format!("{COLOURS}{STYLE}"));
-    svg.empty("rect", &[("class", &"page"), ("width", &At(width)), ("height", &At(height))]);
+    let mut svg = Svg::file((width, height), title, &format!("{COLOURS}{STYLE}"));
     svg.label(title, &[("class", &"said name-of-all"), ("x", &At(EDGE)), ("y", &At(18.0))]);
     for (index, chart) in charts.iter().enumerate() {
         svg.frame((EDGE + index as f64 * WIDTH, TITLE), (WIDTH, HEIGHT), chart);

@@ -6,7 +6,7 @@ use super::outlook::Outlook;
 use super::picture::{Label, Picture, Sketch, tag};
 use super::plane::{Frame, Mark};
 use super::road::world_marks;
-use crate::svg::{At, Svg, through};
+use crate::svg::{At, Svg, through, wrapped};
 use scenario::{RoadUserKind, Shape, World};
 use sim::geometry::Footprint;
 
@@ -29,24 +29,10 @@ pub(crate) fn to_svg(sketch: &Sketch, world: &World) -> String {
     let size = sketch.frame.size();
     let scale = (WIDTH / size.x).min(HIGHEST / size.y);
     let high = size.y * scale;
-    let facts: Vec<String> = sketch.facts.iter().flat_map(|fact| wrapped(fact)).collect();
+    let facts: Vec<String> = sketch.facts.iter().flat_map(|fact| wrapped(fact, CHARACTERS, "    ")).collect();
     let pictures = sketch.pictures.len() as f64;
     let all = LINE * 2.0 + pictures * (high + LINE * 2.0) + facts.len() as f64 * LINE + LINE;
-    let mut svg = Svg::default();
-    let view = format!("0 0 {} {}", At(WIDTH), At(all));
-    svg.open(
-        "svg",
-        &[
-            ("xmlns", &"http://www.w3.org/2000/svg"),
-            ("viewBox", &view),
-            ("width", &"100%"),
-            ("style", &"max-width:960px"),
-            ("role", &"img"),
-            ("aria-label", &sketch.title),
-        ],
-    );
-    svg.verbatim("style", STYLE);
-    svg.empty("rect", &[("class", &"paper"), ("width", &At(WIDTH)), ("height", &At(all))]);
+    let mut svg = Svg::file((WIDTH, all), &sketch.title, STYLE);
     svg.label(&sketch.title, &[("class", &"title"), ("x", &"8"), ("y", &At(LINE * 1.2))]);
     let mut top = LINE * 2.0;
     for picture in &sketch.pictures {
@@ -58,20 +44,6 @@ pub(crate) fn to_svg(sketch: &Sketch, world: &World) -> String {
         top += LINE;
     }
     svg.finish()
-}
-
-/// As many words of a line as fit, and the rest below.
-fn wrapped(fact: &str) -> Vec<String> {
-    let mut lines = vec![String::new()];
-    for word in fact.split_inclusive(' ') {
-        let last = lines.last_mut().expect("there is one");
-        if last.chars().count() + word.chars().count() > CHARACTERS && !last.trim().is_empty() {
-            lines.push(format!("    {word}"));
-        } else {
-            last.push_str(word);
-        }
-    }
-    lines
 }
 
 fn draw(svg: &mut Svg, sketch: &Sketch, world: &World, picture: &Picture, (top, scale): (f64, f64)) {
