@@ -220,9 +220,11 @@ pub mod why {
     pub use runner::why::story;
 }
 
-/// Populations and models beside people who chose a gap in two streams of cars.
+/// Compares populations and models with people that chose a gap in two streams of cars.
 pub mod gap_choice {
-    pub use runner::gap_choice::{Choosing, FactsError, GapChoiceError, GapStudy, read_people_at_gaps};
+    pub use runner::gap_choice::{
+        FactsError, GapChoiceError, GapStudy, PlannedChooser, PopulationOrModel, read_people_at_gaps,
+    };
 }
 
 /// Suites that are run again when what they read has changed.

@@ -3,17 +3,16 @@
 use std::path::PathBuf;
 
 use clap::{ArgGroup, Args};
-use indicatif::{ProgressBar, ProgressStyle};
 
 use super::interrupt::stop_on_interrupt;
-use super::progress::shows_progress;
+use super::progress::{bar, shows_progress};
 use super::run::targets;
 use super::{Exit, number};
 use files::{Disk, Files};
 use report::console::{stderr, stdout};
 use report::{draw_gap_choices, render_gap_choices};
 use results::GapChoices;
-use runner::gap_choice::{Choosing, GapChoiceError, GapStudy, read_people_at_gaps};
+use runner::gap_choice::{GapChoiceError, GapStudy, PopulationOrModel, read_people_at_gaps};
 use runner::run::{BatchError, Threads};
 use scenario::registry::Registry;
 
@@ -21,7 +20,7 @@ use scenario::registry::Registry;
 const STREET: &str = include_str!("../../scenarios/people/crosscdr.scn");
 
 #[derive(Debug, Args)]
-#[command(group(ArgGroup::new("who").args(["population", "model"]).required(true).multiple(true)))]
+#[command(group(ArgGroup::new("subjects").args(["population", "model"]).required(true).multiple(true)))]
 #[command(after_help = "\
 Examples:
   scenario-runner validate crosscdr crosscdr_fit.json --population humans --looking \"0 s\" --looking \"1 s\"
@@ -60,7 +59,7 @@ pub struct CrosscdrArguments {
     no_progress: bool,
 }
 
-/// Why nothing is compared.
+/// Errors of a comparison.
 #[derive(Debug, thiserror::Error)]
 enum CrosscdrError {
     #[error("cannot read {}: {error}", file.display())]
@@ -94,10 +93,8 @@ fn compare(arguments: &CrosscdrArguments, registry: &Registry) -> Result<(), Cro
     let text =
         Disk.read_text(file, &["json"]).map_err(|error| CrosscdrError::Read { file: file.clone(), error })?;
     let people = read_people_at_gaps(&file.display().to_string(), &text)?;
-    let populations = arguments.population.iter().cloned().map(Choosing::Population);
-    let all = populations.chain(arguments.model.iter().cloned().map(Choosing::Model));
-    let asked: Vec<(Choosing, &String)> =
-        all.flat_map(|who| arguments.looking.iter().map(move |look| (who.clone(), look))).collect();
+    let populations = arguments.population.iter().cloned().map(PopulationOrModel::Population);
+    let subjects = populations.chain(arguments.model.iter().cloned().map(PopulationOrModel::Model));
     let facts = file.to_string_lossy();
     let read: Vec<&str> = arguments.population.iter().map(String::as_str).chain([&*facts]).collect();
     let written: Vec<_> = arguments.svg.iter().map(|path| ("--svg", path.as_path())).collect();
@@ -114,13 +111,20 @@ fn compare(arguments: &CrosscdrArguments, registry: &Registry) -> Result<(), Cro
         repetitions: arguments.repetitions,
         seed: arguments.seed,
     };
-    for (who, look) in &asked {
-        study.check(who, look)?;
+    let mut planned = Vec::new();
+    for subject in subjects {
+        for look in &arguments.looking {
+            planned.push(study.plan(&subject, look)?);
+        }
     }
+    let columns = planned.len();
     let mut choosers = Vec::new();
-    for (who, look) in &asked {
-        let bar = bar(arguments.no_progress, choosers.len() + 1, asked.len());
-        choosers.push(study.run(who, look, |done, all| {
+    for chooser in planned {
+        let number = choosers.len() + 1;
+        let template =
+            format!("{number} of {columns}: {{human_pos}} of {{human_len}} runs [{{wide_bar}}] {{eta}} left");
+        let bar = bar(shows_progress(arguments.no_progress), &template, 0);
+        choosers.push(study.run(chooser, |done, all| {
             bar.set_length(all as u64);
             bar.set_position(done as u64);
         })?);
@@ -133,16 +137,4 @@ fn compare(arguments: &CrosscdrArguments, registry: &Registry) -> Result<(), Cro
             .map_err(|error| CrosscdrError::Write { file: file.clone(), error })?;
     }
     Ok(())
-}
-
-/// How far the runs of a column are, the `number`th of `all`.
-fn bar(unwanted: bool, number: usize, all: usize) -> ProgressBar {
-    if !shows_progress(unwanted) {
-        return ProgressBar::hidden();
-    }
-    let template =
-        format!("{number} of {all}: {{human_pos}} of {{human_len}} runs [{{wide_bar}}] {{eta}} left");
-    let bar = ProgressBar::new(0);
-    ProgressStyle::with_template(&template)
-        .map_or(bar.clone(), |style| bar.with_style(style.progress_chars("=> ")))
 }

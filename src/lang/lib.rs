@@ -69,7 +69,7 @@ pub use syntax::{Tree, format};
 pub use texts::{LARGEST_FILE, with_declared};
 pub use tokens::{ColouredToken, TokenColour, coloured};
 pub use units::{UNITS, UnitEntry};
-pub use write::{quantity, write_comparison};
+pub use write::{quantity, quoted, write_comparison};
 pub use yaml::schema as yaml_schema;
 
 use ::files::{Files, Overlay};

@@ -1,6 +1,6 @@
-//! Which gaps in two streams of cars people took, and which ones populations and models take in the same street.
+//! Gaps that people took in two streams of cars, and gaps that populations and models take in the same street.
 
-/// The groups of people of whom every number is known: those of two countries, and all of them.
+/// Groups of people: the two countries, and both.
 pub const PEOPLE_GROUPS: [&str; 3] = ["Germany", "Japan", "both"];
 
 /// The place of all people in [`PEOPLE_GROUPS`].
@@ -29,16 +29,16 @@ pub struct GapCondition {
     pub before: f64,
     /// Whether virtual people crossed in the gap when people were observed. There are none in runs.
     pub with_others: bool,
-    /// The share of those who were still there that took the gap.
+    /// Share that took the gap, of the persons that were still there.
     pub share: PeopleNumbers,
     /// The share of pairs of a person's trials in which the person took it both times, where that is known.
     pub pairs: Option<PeopleNumbers>,
 }
 
-/// In what a measure is told.
+/// Unit of a measure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum GapUnit {
-    /// A share from 0 to 1, told in %.
+    /// A share from 0 to 1; reports show %.
     Share,
     /// s
     Time,
@@ -51,13 +51,13 @@ pub enum GapUnit {
 pub enum GapMeasure {
     /// The share of the gaps of that size (s) before the one that is looked at, of those that were offered, that was taken.
     ShortTaken(f64),
-    /// From the front of the previous car to entering the near lane, median of those who take the gap of that size (s) with others.
+    /// From the front of the previous car to entering the near lane, median of the persons that take the gap of that size (s) with others.
     EntryAfterPrevious(f64),
-    /// Share of those who take the gap of that size (s) with others that leave the near lane less than 1 s before the next car.
+    /// Of the persons that take the gap of that size (s) with others, the share that leave the near lane less than 1 s before the next car.
     LittleLeft(f64),
     /// Mean speed on the near lane.
     MeanSpeed,
-    /// The same, median of those who take the gap of that size (s) with others.
+    /// The same, median of the persons that take the gap of that size (s) with others.
     SpeedInGap(f64),
     /// Share of trials with a collision.
     Collision,
@@ -68,7 +68,7 @@ pub enum GapMeasure {
 }
 
 impl GapMeasure {
-    /// In what it is told.
+    /// Unit of its values.
     pub fn unit(self) -> GapUnit {
         match self {
             Self::EntryAfterPrevious(_) => GapUnit::Time,
@@ -83,16 +83,16 @@ impl GapMeasure {
 pub struct PeopleAtGaps {
     /// What the file says that it is.
     pub what: String,
-    /// In the order in which they are told: single gaps first, then those with others.
+    /// In the order of the report: single gaps first, then gaps with others.
     pub conditions: Vec<GapCondition>,
-    /// In the order in which they are told.
+    /// In the order of the report.
     pub measures: Vec<(GapMeasure, PeopleNumbers)>,
 }
 
 /// Whether a population or a model was fitted to these people.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum FittedTo {
-    /// To them: that it is like them is no finding.
+    /// To them, so that likeness is not a finding.
     ThesePeople,
     /// To others, or to none.
     Others,
@@ -137,7 +137,7 @@ pub struct ChosenGap {
     pub in_shorter: usize,
     /// In which the person took the gap.
     pub taken: usize,
-    /// Share of those who were still there when the gap opened; `None` if none was.
+    /// Of the persons that were still there when the gap opened, the share that took it; `None` if none were.
     pub share: Option<f64>,
     /// Its standard error, by drawing persons anew; `None` of fewer than two, and where all of them did the same.
     pub error: Option<f64>,

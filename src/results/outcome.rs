@@ -124,8 +124,8 @@ pub struct Outlasted {
 pub struct CutOff {
     /// What the metrics could still have come to that were not decided.
     pub open: ByMetric<Open>,
-    /// Who was there, had not been hit, and had not arrived: pedestrians beyond all lanes, vehicles at the finish line, and of a stream only
-    /// vehicles that stand.
+    /// Road users that were there, had not been hit, and had not arrived: pedestrians beyond all lanes, vehicles at the finish line, and of a
+    /// stream only vehicles that stand.
     pub stranded: Vec<Arc<str>>,
     /// Who would have touched, the first first.
     pub on_course: Vec<OnCourse>,

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use libtest_mimic::Trial;
 use results::{ALL_PEOPLE, GapChoices, GapMeasure, PeopleAtGaps};
-use runner::gap_choice::{Choosing, GapStudy, read_people_at_gaps};
+use runner::gap_choice::{GapStudy, PopulationOrModel, read_people_at_gaps};
 use runner::run::{Stop, Threads};
 
 use super::{shared, with};
@@ -59,8 +59,9 @@ fn crosscdr_beside_a_few_people(file: &Path) {
         repetitions: 2,
         seed: 1,
     };
-    let humans = Choosing::Population("humans".to_string());
-    let found = study.run(&humans, "1 s", |_, _| ()).unwrap_or_else(|error| panic!("{error}"));
+    let humans = PopulationOrModel::Population("humans".to_string());
+    let planned = study.plan(&humans, "1 s").unwrap_or_else(|error| panic!("{error}"));
+    let found = study.run(planned, |_, _| ()).unwrap_or_else(|error| panic!("{error}"));
     let choices = GapChoices { people: people.clone(), choosers: vec![found] };
     let text = report::render_gap_choices(&choices);
     assert!(

@@ -20,7 +20,7 @@ const WITH_OTHERS: [(f64, f64); 2] = [(4.0, 3.0), (6.5, 2.5)];
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
 #[non_exhaustive]
 pub enum FactsError {
-    /// It is no JSON.
+    /// It is not JSON.
     #[error("{file}: {error}")]
     Json {
         /// The file.
@@ -155,7 +155,7 @@ pub(super) mod tests {
     use results::ALL_PEOPLE;
     use serde_json::json;
 
-    /// All that is read, each share 0.25 or 0 of nobody, each other number 1.5, and of Japan twice that.
+    /// All fields that are read: shares of 0.25, other numbers of 1.5, and for Japan twice that.
     pub fn made_up() -> Value {
         let mut names: Vec<String> =
             ALONE.iter().map(|gap| format!("alone, single gap {gap:.1} s, mean over persons")).collect();

@@ -13,7 +13,7 @@ use thiserror::Error;
 use crate::project::{Problems, Project, ProjectOptions};
 use crate::run::{BatchError, Executor, RunBatch, Stop, Wanted};
 use files::{Files, Memory, ReadError};
-use lang::Override;
+use lang::{Override, quoted};
 use results::{ChosenGaps, FittedTo, GapChooser, GapCondition, PeopleAtGaps};
 use scenario::population::{Population, PopulationError, SHIPPED_MODEL, shipped};
 use scenario::registry::Registry;
@@ -23,11 +23,11 @@ use walk::{GapMetrics, LOOKED_AT};
 
 pub use facts::{FactsError, read_people_at_gaps};
 
-/// What the file of the street is called where its runs are named.
+/// Name of the street's file in the keys of runs.
 const STREET: &str = "crosscdr.scn";
-const WHO: &str = "gap_choice.scn";
+const RUNS: &str = "gap_choice.scn";
 
-/// What only people of the experiment are called, in the provenance of a population that was fitted to them.
+/// Words that only the provenance of a population fitted to the people of the experiment has.
 const THESE_PEOPLE: [&str; 3] = ["crosscdr", "10.1109/iv55152.2023.10186635", "sprenger"];
 
 /// What the walker of the file lacks, which is of the model that populations are of. Its body is the published one.
@@ -38,12 +38,12 @@ fn waits(model: &str) -> String {
     format!("model {model}\n    looks for look + 2.3 s")
 }
 
-/// Gaps are told apart to this, s.
+/// Smallest difference between two gaps, s.
 const SAME: f64 = 1e-6;
 
 /// A population or a model to be put into the street.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub enum Choosing {
+pub enum PopulationOrModel {
     /// Of a population: a name that ships, or a file.
     Population(String),
     /// A pedestrian model with its defaults.
@@ -62,7 +62,7 @@ pub enum GapChoiceError {
         /// Why not.
         error: ReadError,
     },
-    /// It is no population, or one of another model.
+    /// It is not a population, or is one of another model.
     #[error(transparent)]
     Population(#[from] PopulationError),
     /// There is no such model.
@@ -73,7 +73,7 @@ pub enum GapChoiceError {
         /// The nearest name that there is.
         nearest: Option<String>,
     },
-    /// The time to look is none.
+    /// The time to look is not a time.
     #[error("`{look}` is no time to look: {reason}")]
     Look {
         /// What was asked for.
@@ -82,10 +82,10 @@ pub enum GapChoiceError {
         reason: String,
     },
     /// The scenario cannot be run with it.
-    #[error("{who} cannot be put into the street\n{problems}")]
+    #[error("{name} cannot be put into the street\n{problems}")]
     Problems {
         /// The population or the model.
-        who: String,
+        name: String,
         /// What is wrong.
         problems: Box<Problems>,
     },
@@ -132,40 +132,45 @@ struct Walker {
     is_fixed: bool,
 }
 
+/// A population or a model with its planned runs.
+pub struct PlannedChooser {
+    name: String,
+    walker: Walker,
+    /// `None` for a model that does not react to cars.
+    project: Option<Project>,
+}
+
 impl GapStudy<'_> {
-    /// Whether a population or a model can be put into the street; nothing runs.
+    /// Reads a population or a model, and plans its runs in all conditions after a time to look such as `1 s`; nothing runs.
     ///
     /// # Errors
-    /// As [`Self::run`], but for what only runs show.
-    pub fn check(&self, who: &Choosing, look: &str) -> Result<(), GapChoiceError> {
-        let walker = self.walker(who)?;
-        if !walker.is_fixed {
-            self.project(&named(who, look), &walker, look)?;
-        }
-        Ok(())
+    /// [`GapChoiceError`], but for what only runs show.
+    pub fn plan(&self, subject: &PopulationOrModel, look: &str) -> Result<PlannedChooser, GapChoiceError> {
+        let walker = self.walker(subject)?;
+        let name = named(subject, look);
+        let project = match walker.is_fixed {
+            true => None,
+            false => Some(self.project(&name, &walker, look)?),
+        };
+        Ok(PlannedChooser { name, walker, project })
     }
 
-    /// What a population or a model does in all conditions after a time to look such as `1 s`; `progress` is told how many runs of how many are done.
+    /// Makes the planned runs; calls `progress` with how many runs of how many are done.
     ///
     /// # Errors
     /// [`GapChoiceError`].
     pub fn run(
         &self,
-        who: &Choosing,
-        look: &str,
+        planned: PlannedChooser,
         progress: impl Fn(usize, usize) + Send + Sync,
     ) -> Result<GapChooser, GapChoiceError> {
-        let walker = self.walker(who)?;
-        let name = named(who, look);
-        let chosen = match walker.is_fixed {
-            true => None,
-            false => Some(self.chosen(&name, &walker, look, progress)?),
-        };
+        let PlannedChooser { name, walker, project } = planned;
+        let chosen = project.map(|project| self.chosen(&project, progress)).transpose()?;
         let Walker { digest, fitted, persons, runs, .. } = walker;
         Ok(GapChooser { name, digest, fitted, persons, runs, chosen })
     }
 
-    fn walker(&self, who: &Choosing) -> Result<Walker, GapChoiceError> {
+    fn walker(&self, subject: &PopulationOrModel) -> Result<Walker, GapChoiceError> {
         let models = self.registry.pedestrians();
         let find = |name: &str| {
             models.get(name).ok_or_else(|| GapChoiceError::UnknownModel {
@@ -174,8 +179,8 @@ impl GapStudy<'_> {
             })
         };
         let (members, runs) = (self.members, self.repetitions);
-        match who {
-            Choosing::Model(name) => {
+        match subject {
+            PopulationOrModel::Model(name) => {
                 let model = find(name)?;
                 let defaults = model.declaration.fill_in(&Settings::default());
                 Ok(Walker {
@@ -188,7 +193,7 @@ impl GapStudy<'_> {
                     is_fixed: defaults.is_ok_and(|settings| (model.is_fixed)(&settings)),
                 })
             }
-            Choosing::Population(name) => {
+            PopulationOrModel::Population(name) => {
                 let is_shipped = shipped().any(|one| one == name);
                 let text = match is_shipped {
                     true => None,
@@ -216,7 +221,7 @@ impl GapStudy<'_> {
     }
 
     /// The scenarios of the runs, read, checked and planned.
-    fn project(&self, who: &str, walker: &Walker, look: &str) -> Result<Project, GapChoiceError> {
+    fn project(&self, name: &str, walker: &Walker, look: &str) -> Result<Project, GapChoiceError> {
         let scenario = |of: &str| {
             format!(
                 "scenario {of}_gap : {of} {{\n  pedestrian walker {{\n    {}\n  }}\n  end on collision\n  repeat {}\n  expect {{ no collision }}\n}}\n",
@@ -225,7 +230,7 @@ impl GapStudy<'_> {
         };
         let text = ["alone", "risky", "safe"].map(scenario).concat();
         let files =
-            Memory::default().with(STREET, self.street).with(WHO, format!("use {}\n{text}", quoted(STREET)));
+            Memory::default().with(STREET, self.street).with(RUNS, format!("use {}\n{text}", quoted(STREET)));
         let files = match &walker.file {
             Some((name, text)) => files.with(name.as_str(), text.as_str()),
             None => files,
@@ -233,20 +238,17 @@ impl GapStudy<'_> {
         let set = Override::from_str(&format!("look={look}"))
             .map_err(|reason| GapChoiceError::Look { look: look.to_string(), reason })?;
         let options = ProjectOptions::default().seed(self.seed).set([set]);
-        Project::open_all([WHO], &options, self.registry, &files).map_err(|problems| {
-            GapChoiceError::Problems { who: who.to_string(), problems: Box::new(problems) }
+        Project::open_all([RUNS], &options, self.registry, &files).map_err(|problems| {
+            GapChoiceError::Problems { name: name.to_string(), problems: Box::new(problems) }
         })
     }
 
     fn chosen(
         &self,
-        who: &str,
-        walker: &Walker,
-        look: &str,
+        project: &Project,
         progress: impl Fn(usize, usize) + Send + Sync,
     ) -> Result<ChosenGaps, GapChoiceError> {
         let metrics = GapMetrics::of(self.registry).map_err(GapChoiceError::Street)?;
-        let project = self.project(who, walker, look)?;
         let trials: Vec<_> = project.suites().iter().flat_map(|suite| suite.plan.trials()).collect();
         let all: usize = trials.iter().map(|trial| trial.cases.len()).sum();
         let mut walks: Vec<Option<Vec<PersonsWalks>>> = vec![None; self.people.conditions.len()];
@@ -302,17 +304,17 @@ impl GapStudy<'_> {
     }
 }
 
-/// Whose run it is.
+/// Number of the person in the population; 1 for a model.
 fn person(case: &Case) -> u32 {
     case.individuals.first().map_or(1, |person| person.number)
 }
 
-fn named(who: &Choosing, look: &str) -> String {
-    let name = match who {
-        Choosing::Population(name) => Path::new(name)
+fn named(subject: &PopulationOrModel, look: &str) -> String {
+    let name = match subject {
+        PopulationOrModel::Population(name) => Path::new(name)
             .file_stem()
             .map_or_else(|| name.clone(), |stem| stem.to_string_lossy().into_owned()),
-        Choosing::Model(name) => name.clone(),
+        PopulationOrModel::Model(name) => name.clone(),
     };
     if is_nothing(look) { name } else { format!("{name}, looks for {look}") }
 }
@@ -321,11 +323,6 @@ fn named(who: &Choosing, look: &str) -> String {
 fn is_nothing(look: &str) -> bool {
     let number = look.trim_end_matches(|letter: char| letter.is_ascii_alphabetic() || letter == ' ');
     number.parse::<f64>() == Ok(0.0)
-}
-
-/// As a scenario file writes a text.
-fn quoted(text: &str) -> String {
-    format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
 }
 
 /// What the provenance of a population says of the people that it was fitted to.

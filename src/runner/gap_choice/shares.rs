@@ -1,4 +1,4 @@
-//! What the runs of many persons come to: shares of those who were still there, and how much persons differ.
+//! Statistics of the runs of many persons: shares of the persons that were still there, and how much persons differ.
 
 use super::walk::{LOOKED_AT, Walk, Went};
 use numbers::summary::{mean, median_of};
@@ -43,7 +43,7 @@ pub fn chosen_gaps(people: &PeopleAtGaps, walks: &[Vec<PersonsWalks>]) -> Chosen
     ChosenGaps { conditions, measures: people.measures.iter().map(|(one, _)| measure(one)).collect() }
 }
 
-/// Of those of which it is known; `None` if it is of none.
+/// Of the known values; `None` if there are none.
 fn share(known: impl Iterator<Item = Option<bool>>) -> Option<f64> {
     let known: Vec<bool> = known.flatten().collect();
     ratio(known.iter().filter(|one| **one).count(), known.len())
@@ -146,7 +146,7 @@ mod tests {
     const LATER: Went = Went::InGap(LOOKED_AT + 1);
 
     #[test]
-    fn a_share_is_of_those_who_were_still_there() {
+    fn a_share_is_of_persons_that_were_still_there() {
         let found = chosen_gap(&persons(&[
             &[TAKES, TAKES, Went::BeforeFirst],
             &[SHORT, LATER, TAKES],
@@ -162,24 +162,52 @@ mod tests {
     }
 
     #[test]
-    fn where_nobody_was_left_nothing_is_known() {
+    fn without_a_person_that_is_still_there_the_share_is_unknown() {
         let found = chosen_gap(&persons(&[&[Went::BeforeFirst, SHORT], &[SHORT, SHORT]]));
         assert_eq!((found.share, found.error, found.pairs, found.there()), (None, None, None, 0));
-        // Once each is no pair, and one person no spread between persons.
+        // One run of each person is not a pair, and one person has no spread between persons.
         let found = chosen_gap(&persons(&[&[TAKES, SHORT], &[SHORT, LATER]]));
         assert_eq!((found.share, found.pairs), (Some(0.5), None));
         let found = chosen_gap(&persons(&[&[TAKES, SHORT], &[SHORT, SHORT]]));
         assert_eq!((found.share, found.error), (Some(1.0), None));
-        // Nor do two who are alike say that nobody differs.
+        // Two persons that do the same do not show that persons do not differ.
         let found = chosen_gap(&persons(&[&[LATER, LATER], &[Went::Never, LATER]]));
         assert_eq!((found.share, found.error, found.pairs), (Some(0.0), None, Some(0.0)));
+    }
+
+    /// A second derivation of the standard error: the deviation of shares among many draws of persons.
+    #[test]
+    fn the_standard_error_is_the_deviation_of_shares_among_draws_of_persons() {
+        let mut stream = numbers::random::Stream::seeded(7);
+        let (mut shares, mut errors) = (Vec::new(), Vec::new());
+        for _ in 0..2000 {
+            let person = |_| {
+                // Persons differ, and those that take the gap more often are there less often.
+                let takes = stream.uniform() * stream.uniform();
+                let there = (0..5).filter(|_| stream.uniform() > 0.5 * takes).count();
+                (there, (0..there).filter(|_| stream.uniform() < takes).count())
+            };
+            let persons: Vec<(usize, usize)> = (0..60).map(person).collect();
+            let sum = |of: fn(&(usize, usize)) -> usize| persons.iter().map(of).sum::<usize>() as f64;
+            shares.push(sum(|one| one.1) / sum(|one| one.0));
+            errors.push(standard_error(&persons).expect("persons differ"));
+        }
+        let centre = mean(&shares).unwrap();
+        let squares: Vec<f64> = shares.iter().map(|one| (one - centre) * (one - centre)).collect();
+        let deviation = mean(&squares).unwrap().sqrt();
+        let error = mean(&errors).unwrap();
+        assert!((error / deviation - 1.0).abs() < 0.06, "{error} and {deviation}");
+        let covered =
+            shares.iter().zip(&errors).filter(|(share, error)| (*share - centre).abs() <= 1.96 * *error);
+        let covered = covered.count() as f64 / shares.len() as f64;
+        assert!((0.93..=0.97).contains(&covered), "{covered}");
     }
 
     #[test]
     fn pairs_have_no_bias() {
         assert_eq!(pair_share((1, 1)), None);
         assert_eq!(pair_share((4, 3)), Some(0.5));
-        // Whoever does it with a probability of 0.3 does it twice with 0.09, however often it is tried: 0.3 of 2, 3 and 5 runs.
+        // A person with a probability of 0.3 takes a gap twice with 0.09, in 2, 3 or 5 runs.
         let probability = 0.3f64;
         for all in [2usize, 3, 5] {
             let chance = |held: usize| {
@@ -208,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn measures_are_of_whom_they_are_about() {
+    fn each_measure_is_of_its_persons() {
         let people = read_people_at_gaps("facts.json", &made_up().to_string()).unwrap();
         let nobody: Vec<PersonsWalks> = persons(&[&[Went::BeforeFirst]]);
         let mut walks = vec![nobody; people.conditions.len()];
@@ -216,7 +244,7 @@ mod tests {
             let place = people.measures.iter().position(|(one, _)| *one == measure).unwrap();
             chosen_gaps(&people, walks).measures[place]
         };
-        // Nobody took a gap: nothing is known of those who do.
+        // No person took a gap, so that measures of persons that took one are unknown.
         for measure in [
             GapMeasure::EntryAfterPrevious(4.0),
             GapMeasure::LittleLeft(4.0),
@@ -238,7 +266,7 @@ mod tests {
         walks[0] = vec![vec![Walk { stepped_back: Some(true), ..takes(9.0, 0.1, 1.1) }]];
         assert_eq!(of(&walks, GapMeasure::EntryAfterPrevious(4.0)), Some(1.5));
         assert_eq!(of(&walks, GapMeasure::EntryAfterPrevious(6.5)), None);
-        // Who is hit has nothing left.
+        // A person that is hit has nothing left.
         assert_eq!(of(&walks, GapMeasure::LittleLeft(4.0)), Some(2.0 / 3.0));
         assert!((of(&walks, GapMeasure::MeanSpeed).unwrap() - 1.3).abs() < 1e-12);
         assert!((of(&walks, GapMeasure::SpeedInGap(4.0)).unwrap() - 1.4).abs() < 1e-12);

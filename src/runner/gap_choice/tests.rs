@@ -3,7 +3,7 @@
 use super::facts::tests::made_up;
 use super::walk::{Walk, Went};
 use super::*;
-use crate::run::Threads;
+use crate::run::{Shuffled, Threads};
 use files::Memory;
 use models::standard;
 use results::ChosenGap;
@@ -17,6 +17,11 @@ fn people() -> PeopleAtGaps {
 }
 
 fn with<T>(street: &str, of: impl FnOnce(&GapStudy) -> T) -> T {
+    on(&Threads::new(2), street, of)
+}
+
+/// The same with another executor.
+fn on<T>(executor: &dyn Executor, street: &str, of: impl FnOnce(&GapStudy) -> T) -> T {
     let files = Memory::default().with("some people.csv", THREE).with(
         "other.json",
         r#"{"model": "jaywalker", "source": "here", "parameters": ["speed"], "individuals": [[2]]}"#,
@@ -26,7 +31,7 @@ fn with<T>(street: &str, of: impl FnOnce(&GapStudy) -> T) -> T {
         street,
         registry: &standard(),
         files: &files,
-        executor: &Threads::new(2),
+        executor,
         stop: &Stop::default(),
         members: 3,
         repetitions: 2,
@@ -34,25 +39,35 @@ fn with<T>(street: &str, of: impl FnOnce(&GapStudy) -> T) -> T {
     })
 }
 
-fn of(name: &str) -> Choosing {
-    Choosing::Population(name.to_string())
+/// Plans and makes the runs.
+fn run(
+    study: &GapStudy,
+    subject: &PopulationOrModel,
+    look: &str,
+    progress: impl Fn(usize, usize) + Send + Sync,
+) -> Result<GapChooser, GapChoiceError> {
+    study.run(study.plan(subject, look)?, progress)
 }
 
-fn model(name: &str) -> Choosing {
-    Choosing::Model(name.to_string())
+fn of(name: &str) -> PopulationOrModel {
+    PopulationOrModel::Population(name.to_string())
+}
+
+fn model(name: &str) -> PopulationOrModel {
+    PopulationOrModel::Model(name.to_string())
 }
 
 #[test]
 fn a_few_people_cross_the_real_street() {
-    let run = || {
-        with(STREET_FILE, |study| {
+    let run_on = |executor: &dyn Executor| {
+        on(executor, STREET_FILE, |study| {
             let told = std::sync::Mutex::new(Vec::new());
             let found =
-                study.run(&of("some people.csv"), "1 s", |done, all| told.lock().unwrap().push((done, all)));
+                run(study, &of("some people.csv"), "1 s", |done, all| told.lock().unwrap().push((done, all)));
             (found.unwrap(), told.into_inner().unwrap())
         })
     };
-    let (found, told) = run();
+    let (found, told) = run_on(&Threads::new(2));
     assert_eq!((found.name.as_str(), found.persons, found.runs), ("some people, looks for 1 s", 3, 2));
     assert_eq!((told.first(), told.last()), (Some(&(1, 42)), Some(&(42, 42))));
     let chosen = found.chosen.clone().unwrap();
@@ -64,14 +79,15 @@ fn a_few_people_cross_the_real_street() {
     }
     // Longer gaps are taken by more.
     assert!(chosen.conditions[4].taken >= chosen.conditions[0].taken, "{chosen:?}");
-    // The same again, bit for bit.
-    assert_eq!(run().0, found);
+    // On any number of threads, and whichever run ends first, bit for bit.
+    assert_eq!(run_on(&Threads::new(1)).0, found);
+    assert_eq!(run_on(&Shuffled::seeded(5)).0, found);
 }
 
 #[test]
-fn whoever_walks_into_the_first_gap_meets_no_later_one() {
+fn a_person_that_walks_into_the_first_gap_meets_no_later_one() {
     // The interceptor is hit by the next car that comes.
-    let found = with(STREET_FILE, |study| study.run(&model("interceptor"), "0 s", |_, _| ())).unwrap();
+    let found = with(STREET_FILE, |study| run(study, &model("interceptor"), "0 s", |_, _| ())).unwrap();
     let chosen = found.chosen.unwrap();
     for one in &chosen.conditions {
         assert_eq!((one.runs, one.there()), (3, 0), "{one:?}");
@@ -104,7 +120,7 @@ fn walks(delay: f64, speed: f64) -> Walk {
 }
 
 #[test]
-fn it_is_known_in_which_gap_somebody_goes_also_of_who_is_hit() {
+fn the_gap_is_known_also_of_a_person_that_is_hit() {
     let near = |found: Option<f64>, expected: f64| found.is_some_and(|found| (found - expected).abs() < 0.01);
     // In the lane from 8.339 s to 9.946 s, between fronts at 7.742 s and 11.242 s.
     let takes = walks(7.5, 1.4);
@@ -131,17 +147,17 @@ fn it_is_known_in_which_gap_somebody_goes_also_of_who_is_hit() {
 }
 
 #[test]
-fn a_model_that_minds_nobody_says_so() {
+fn a_model_that_ignores_cars_says_so() {
     let found =
-        with(STREET_FILE, |study| study.run(&model("scripted"), "0 s", |_, _| panic!("no run is made")));
+        with(STREET_FILE, |study| run(study, &model("scripted"), "0 s", |_, _| panic!("no run is made")));
     let found = found.unwrap();
     assert_eq!((found.chosen, found.name.as_str()), (None, "scripted"));
 }
 
 #[test]
 fn what_cannot_be_put_into_the_street_says_why() {
-    let says = |who: &Choosing, look: &str, what: &str| {
-        let error = with(STREET_FILE, |study| study.check(who, look)).unwrap_err().to_string();
+    let says = |subject: &PopulationOrModel, look: &str, what: &str| {
+        let error = with(STREET_FILE, |study| study.plan(subject, look).map(|_| ())).unwrap_err().to_string();
         assert!(error.contains(what), "{error}");
     };
     says(&of("other.json"), "0 s", "a population of the model `jaywalker`");
@@ -159,7 +175,7 @@ fn a_street_with_other_gaps_is_refused() {
     let of_street = |from: &str, to: &str| {
         let street = STREET_FILE.replace(from, to);
         assert_ne!(street, STREET_FILE);
-        with(&street, |study| study.run(&of("standard"), "0 s", |_, _| ())).unwrap_err().to_string()
+        with(&street, |study| run(study, &of("standard"), "0 s", |_, _| ())).unwrap_err().to_string()
     };
     let said = of_street("gaps 3 s, 3 s, 3 s, 4 s", "gaps 3 s, 3 s, 4 s, 4 s");
     assert!(said.contains("no people were observed at gaps of [3.0, 3.0, 4.0, 4.0] s"), "{said}");
@@ -168,7 +184,7 @@ fn a_street_with_other_gaps_is_refused() {
 }
 
 #[test]
-fn who_was_fitted_to_these_people_is_told() {
+fn a_population_says_whether_it_was_fitted_to_these_people() {
     let population = |source: &str, provenance: serde_json::Value| Population {
         model: "commotions".into(),
         variant: None,

@@ -1,4 +1,4 @@
-//! What one run came to: in which gap of the near stream the person went, and how.
+//! Result of one run: the gap of the near stream in which the person went, and how.
 
 use std::sync::Arc;
 
@@ -29,7 +29,7 @@ pub enum Went {
     Never,
 }
 
-/// What one run came to.
+/// Result of one run.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Walk {
     /// A person that is hit on the near lane went in the gap in which it entered the lane, or, where that is not known, in which it was hit.
@@ -105,7 +105,7 @@ impl GapMetrics {
         Ok(Self { measured: MeasuredMetrics::new(requests), ..all })
     }
 
-    /// What a run came to.
+    /// Result of a run.
     ///
     /// # Errors
     /// What does not fit together, in words.
